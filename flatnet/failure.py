@@ -1,0 +1,78 @@
+"""What can go wrong with a patch, said so that a person can act on it: findings, failures, warnings.
+
+A `Finding` is one statement: what, on which patch, where on it, how much, what to do. A `PatchFailure`
+carries one out of a fitting stage; a warning is a finding that stops nothing. Errors of a project file
+are another thing: `flatnet.project.ProjectError`.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict, dataclass, replace
+from typing import Any
+
+#: Every failure code and what it means; docs/failures.md says more about each.
+CODES: dict[str, str] = {
+    "open_boundary": "the curves around the patch do not close",
+    "not_disk": "the patch is not a disk: it has several loops, or its loop winds wrongly on the surface",
+    "lemma_2": "the lower bounds of the boundary angles add up to more than a planar polygon has",
+    "self_intersection": "the flat outline crosses itself",
+    "warp_singular": "the planar mesh could not be warped onto the boundary",
+    "not_converged": "a vertex could not be made flattenable",
+    "folded": "the fitted mesh folds back on itself",
+    "sheet_too_small": "the piece does not fit on the material",
+    "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
+    "opposed_normals": "the normals of two neighbouring edges are opposed",
+}
+
+
+@dataclass(frozen=True)
+class Finding:
+    """One statement about one patch.
+
+    Attributes
+    ----------
+    code : a key of `CODES`.
+    stage : the stage that found it: network, planar_boundary, tessellation, warp, flattenable_mesh, unfold,
+        nesting.
+    where : the place on the patch in words: curve and mm along it, vertex and coordinates; "" for all of it.
+    amount : how much, in `unit`; None where there is nothing to measure.
+    message : the whole statement in a sentence.
+    remedy : what the user can do about it.
+    """
+
+    code: str
+    stage: str
+    message: str
+    remedy: str
+    patch: str = ""
+    where: str = ""
+    amount: float | None = None
+    unit: str = ""
+    details: str = ""
+
+    def __post_init__(self) -> None:
+        if self.code not in CODES:
+            raise ValueError(f"unknown failure code {self.code!r}; known: {', '.join(sorted(CODES))}")
+
+    def on(self, patch: str) -> Finding:
+        """The same finding, with the name of its patch."""
+        return replace(self, patch=patch)
+
+    def as_dict(self) -> dict[str, Any]:
+        return asdict(self)
+
+    def __str__(self) -> str:
+        name = f"{self.patch}: " if self.patch else ""
+        return f"{name}{self.code}: {self.message} {self.remedy}".rstrip()
+
+
+class PatchFailure(Exception):
+    """Raised by a stage where a patch can't be made; caught in one place, where one patch is run."""
+
+    def __init__(self, finding: Finding) -> None:
+        super().__init__(str(finding))
+        self.finding = finding
+
+    @classmethod
+    def of(cls, code: str, stage: str, message: str, remedy: str, **rest: Any) -> PatchFailure:
+        return cls(Finding(code=code, stage=stage, message=message, remedy=remedy, **rest))

@@ -1,0 +1,103 @@
+"""Formulas of triangle meshes: areas, angles, angle sums, edge strain. Plain arrays in, plain arrays out."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def unit(vectors: Floats) -> Floats:
+    """Vectors over their last axis divided by their lengths."""
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def area_vectors(vertices: Floats, triangles: Ints) -> Floats:
+    """Normal of every triangle times its area, (t, 3)."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return 0.5 * np.cross(b - a, c - a)
+
+
+def signed_areas(positions: Floats, triangles: Ints) -> Floats:
+    """Signed area of every triangle in the plane, (t,); positive when anticlockwise."""
+    a, b, c = (positions[triangles[:, k]] for k in range(3))
+    u, v = b - a, c - a
+    return 0.5 * (u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+
+
+def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
+    """Angle at each corner of every triangle, (t, 3), rad; in the plane or in space.
+
+    atan2 of cross and dot product: exact to round-off for thin triangles, where arccos loses half the digits.
+    """
+    angles = np.empty(triangles.shape)
+    for k in range(3):
+        p = vertices[triangles[:, k]]
+        u = vertices[triangles[:, (k + 1) % 3]] - p
+        v = vertices[triangles[:, (k + 2) % 3]] - p
+        if vertices.shape[1] == 2:
+            cross = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
+        else:
+            cross = np.linalg.norm(np.cross(u, v), axis=1)
+        angles[:, k] = np.arctan2(cross, np.einsum("ij,ij->i", u, v))
+    return angles
+
+
+def angle_sums(vertices: Floats, triangles: Ints) -> Floats:
+    """Sum of the triangle angles at every vertex, (m,), rad; theta of Property 1."""
+    angles = corner_angles(vertices, triangles)
+    return np.bincount(triangles.ravel(), weights=angles.ravel(), minlength=len(vertices))
+
+
+def angle_defects(vertices: Floats, triangles: Ints) -> Floats:
+    """theta - 2 pi at every vertex, (m,), rad; meaningless on the boundary."""
+    return angle_sums(vertices, triangles) - 2.0 * np.pi
+
+
+def edges_of(triangles: Ints) -> Ints:
+    """Every edge once, (e, 2), lower index first, sorted."""
+    pairs = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    return np.unique(pairs, axis=0)
+
+
+def edge_lengths(vertices: Floats, edges: Ints) -> Floats:
+    return np.linalg.norm(vertices[edges[:, 1]] - vertices[edges[:, 0]], axis=1)
+
+
+def edge_strain(vertices: Floats, flat: Floats, triangles: Ints) -> Floats:
+    """Flat length over length in space, less 1, for every edge of `edges_of(triangles)`, (e,)."""
+    edges = edges_of(triangles)
+    return edge_lengths(flat, edges) / edge_lengths(vertices, edges) - 1.0
+
+
+def hinges_of(triangles: Ints) -> Ints:
+    """Every interior edge with the two vertices across it, (h, 4): edge from i to j, k on its left, l on its right.
+
+    Triangle (i, j, k) is one of the mesh and so is (j, i, l). Sorted by (i, j) with i < j.
+    """
+    tails = triangles.ravel()
+    heads = triangles[:, [1, 2, 0]].ravel()
+    opposite = triangles[:, [2, 0, 1]].ravel()
+    size = int(triangles.max()) + 1
+    key = tails * size + heads
+    order = np.argsort(key, kind="stable")
+    key, tails, heads, opposite = key[order], tails[order], heads[order], opposite[order]
+    twin = np.searchsorted(key, heads * size + tails)
+    twin_in = np.minimum(twin, len(key) - 1)
+    paired = (key[twin_in] == heads * size + tails) & (tails < heads)
+    return np.stack([tails[paired], heads[paired], opposite[paired], opposite[twin_in[paired]]], axis=1)
+
+
+def hinge_angles(vertices: Floats, hinges: Ints) -> Floats:
+    """Signed dihedral angle of every hinge, (h,), rad in (-pi, pi]; 0 where flat, positive where convex.
+
+    Convex as seen from the side that the normals point to.
+    """
+    i, j, k, l = (vertices[hinges[:, c]] for c in range(4))
+    edge = j - i
+    left = np.cross(edge, k - i)
+    right = np.cross(l - i, edge)
+    sine = np.einsum("ij,ij->i", np.cross(left, right), edge) / np.linalg.norm(edge, axis=1)
+    return -np.arctan2(sine, np.einsum("ij,ij->i", left, right))

@@ -1,0 +1,88 @@
+"""A patch of the network, ready to be fitted: its boundary curve with normals, and what it is cut from."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True)
+class Stretch:
+    """A run of boundary edges that follows one seam (a curve's stretch between two nodes).
+
+    Attributes
+    ----------
+    seam : name of the seam (`SampledStretch.name`).
+    first, count : the boundary edges first .. first + count - 1, modulo n; edge i goes from vertex i to i + 1.
+    reversed : the boundary runs against the seam's direction (the patch lies on the seam's right).
+    """
+
+    seam: str
+    first: int
+    count: int
+    reversed: bool
+
+
+@dataclass(frozen=True, eq=False)
+class BoundaryCurve:
+    """B: the closed polygon that a patch interpolates, anticlockwise seen against its normals.
+
+    Attributes
+    ----------
+    vertices : (n, 3) float, mm.
+    normals : (n, 3) float, unit; normals[i] belongs to the edge from vertex i to vertex i + 1 and is
+        orthogonal to it.
+    stretches : the seams that the boundary runs along, in order; they cover its n edges once.
+    min_angles : (n,) float, rad; a lower bound for the flat inner angle, 0 where the user set none.
+    slit_tips : indices of vertices where the boundary turns back along the other side of a slit.
+    """
+
+    vertices: Floats
+    normals: Floats
+    stretches: tuple[Stretch, ...]
+    min_angles: Floats
+    slit_tips: tuple[int, ...] = ()
+
+    def __post_init__(self) -> None:
+        for array in (self.vertices, self.normals, self.min_angles):
+            array.setflags(write=False)
+
+    def place(self, position: float) -> str:
+        """Words for the place `position` (a vertex index, or between two of them): seam and mm along it."""
+        n = len(self.vertices)
+        edge = int(position) % n
+        lengths = np.linalg.norm(np.roll(self.vertices, -1, axis=0) - self.vertices, axis=1)
+        for stretch in self.stretches:
+            offset = (edge - stretch.first) % n
+            if offset < stretch.count:
+                along = np.take(lengths, range(stretch.first, stretch.first + stretch.count), mode="wrap")
+                mm = along[:offset].sum() + (position - int(position)) * along[offset]
+                return f"'{stretch.seam}' at {along.sum() - mm if stretch.reversed else mm:.1f} mm"
+        return f"boundary vertex {edge}"
+
+
+@dataclass(frozen=True, eq=False)
+class Patch:
+    """One face of the network that is to be made.
+
+    Attributes
+    ----------
+    name : as in the project file.
+    boundary : B with its normals.
+    edge_length : target length of the interior mesh edges, mm.
+    material : name of a material of the project.
+    cut, mirrored : how many plain and how many mirrored copies are cut.
+    grain : (3,) float, unit: the direction in space that is laid along the roll; None where there is none.
+    """
+
+    name: str
+    boundary: BoundaryCurve
+    edge_length: float
+    material: str
+    cut: int = 1
+    mirrored: int = 0
+    grain: Floats | None = None

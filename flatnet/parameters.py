@@ -1,0 +1,104 @@
+"""The parameters that a project file may set, with their defaults, ranges and reasons.
+
+They stand at the bottom of the package: the project room reads and checks them, the fitting and nesting rooms
+use them. Lengths inside the solvers are in units of the mean edge, so that no parameter depends on the
+unit of length.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+
+def _check(value: float, name: str, low: float, high: float) -> None:
+    if not low <= value <= high:
+        raise ValueError(f"{name} must be in [{low:g}, {high:g}], got {value:g}")
+
+
+@dataclass(frozen=True)
+class FairParameters:
+    """The default method: soft ramp, tangential and normal steps, Newton tail (docs/method.md).
+
+    Attributes
+    ----------
+    normal_weight : the user's choice between fair (small) and tangent (large): weight of the given edge
+        normals against bending.
+    strain_weight, area_weight : weights in the energy that keep triangles near their shape on M^p.
+    ramp_steps, ramp_start, ramp_end : phase A, the soft penalty rho grows geometrically.
+    tolerance : worst flattenability to reach, rad.
+    max_steps : most steps of phases B and C together.
+    """
+
+    normal_weight: float = 1.0
+    strain_weight: float = 1.0
+    area_weight: float = 0.3
+    ramp_steps: int = 16
+    ramp_start: float = 0.1
+    ramp_end: float = 100.0
+    tolerance: float = 1e-10
+    max_steps: int = 200
+
+    def __post_init__(self) -> None:
+        _check(self.normal_weight, "normal_weight", 0.0, 1e4)
+        _check(self.strain_weight, "strain_weight", 0.0, 1e3)
+        _check(self.area_weight, "area_weight", 0.0, 1e3)
+        _check(self.ramp_steps, "ramp_steps", 1, 1000)
+        _check(self.ramp_start, "ramp_start", 1e-6, 1e6)
+        _check(self.ramp_end, "ramp_end", self.ramp_start, 1e9)
+        _check(self.tolerance, "tolerance", 1e-13, 1e-1)
+        _check(self.max_steps, "max_steps", 1, 100_000)
+
+
+@dataclass(frozen=True)
+class MultiLoopParameters:
+    """Algorithm 1 of the paper as printed, with its weights (Eq. 5).
+
+    Attributes
+    ----------
+    w1, w2, w3 : weights of fairness, position and cross-tangents.
+    inner_steps : steps of the inner loop ('OR i > 5').
+    step_tolerance : the inner loop stops when |delta| falls below it, in mean edge lengths.
+    tolerance : worst flattenability to reach, rad ('epsilon').
+    max_outer_loops : where the outer loop gives up.
+    """
+
+    w1: float = 1.0
+    w2: float = 0.1
+    w3: float = 100.0
+    inner_steps: int = 5
+    step_tolerance: float = 1e-5
+    tolerance: float = 1e-10
+    max_outer_loops: int = 60
+
+    def __post_init__(self) -> None:
+        for name in ("w1", "w2", "w3"):
+            _check(getattr(self, name), name, 0.0, 1e6)
+        _check(self.inner_steps, "inner_steps", 1, 1000)
+        _check(self.step_tolerance, "step_tolerance", 0.0, 1.0)
+        _check(self.tolerance, "tolerance", 1e-13, 1e-1)
+        _check(self.max_outer_loops, "max_outer_loops", 1, 100_000)
+
+
+#: Name of a fitting method in the project file -> its parameters.
+METHODS: dict[str, type[FairParameters] | type[MultiLoopParameters]] = {
+    "fair": FairParameters,
+    "multi_loop": MultiLoopParameters,
+}
+
+
+@dataclass(frozen=True)
+class NestingParameters:
+    """How long and from which seed the nesting engine looks.
+
+    Attributes
+    ----------
+    seconds : time the engine is given for each material, whole seconds.
+    seed : its random seed.
+    """
+
+    seconds: int = 10
+    seed: int = 0
+
+    def __post_init__(self) -> None:
+        _check(self.seconds, "seconds", 1, 3600)
+        _check(self.seed, "seed", 0, 2**31 - 1)

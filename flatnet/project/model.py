@@ -1,0 +1,212 @@
+"""The project as data: what a project file says, checked and in mm, with the place of everything in the file."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.parameters import FairParameters, MultiLoopParameters, NestingParameters
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, order=True)
+class Mark:
+    """A place in the project file; line and column count from 1."""
+
+    line: int
+    column: int
+
+
+@dataclass(frozen=True)
+class Problem:
+    """One thing that is wrong with a project, where it stands and what to do."""
+
+    mark: Mark | None
+    message: str
+
+    def located(self, file: Path) -> str:
+        place = f"{file}:{self.mark.line}:{self.mark.column}" if self.mark else str(file)
+        return f"{place}: {self.message}"
+
+
+class ProjectError(Exception):
+    """The project is invalid: all its problems together, in file order."""
+
+    def __init__(self, file: Path, problems: list[Problem]) -> None:
+        self.file = file
+        self.problems = sorted(problems, key=lambda p: p.mark or Mark(0, 0))
+        super().__init__("\n".join(problem.located(file) for problem in self.problems))
+
+
+@dataclass(frozen=True, eq=False)
+class FormSurface:
+    """A parametric form of ours; lengths among `measurements` in mm."""
+
+    form: str
+    measurements: Mapping[str, float | str]
+    mark: Mark
+
+
+@dataclass(frozen=True, eq=False)
+class MeshSurface:
+    """A mesh file of the user; `outer` is the side that the normals point to."""
+
+    path: Path
+    mm_per_unit: float
+    up: Literal["x", "y", "z"]
+    outer: Literal["outside", "inside"]
+    mark: Mark
+
+
+@dataclass(frozen=True, eq=False)
+class NodeSpec:
+    name: str
+    position: Floats
+    on_surface: bool
+    mark: Mark
+
+
+@dataclass(frozen=True, eq=False)
+class NormalList:
+    """Normals along one side of a curve.
+
+    Attributes
+    ----------
+    per : `point` (values[i] at the i-th of from, points, to), `segment` (between those), or `curve` (one value).
+    values : (k, 3) float.
+    """
+
+    per: Literal["point", "segment", "curve"]
+    values: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class NormalSpec:
+    """Where a curve's normals come from.
+
+    Attributes
+    ----------
+    source : `surface`, `given`, or `none` (neither a surface nor a list: only legal where no patch uses them).
+    left, right : the lists where given; the same object off creases.
+    """
+
+    source: Literal["surface", "given", "none"]
+    left: NormalList | None = None
+    right: NormalList | None = None
+    mark: Mark | None = None
+
+    @property
+    def crease(self) -> bool:
+        return self.left is not self.right
+
+
+@dataclass(frozen=True, eq=False)
+class CurveSpec:
+    """A curve as the file gives it.
+
+    Attributes
+    ----------
+    start, end : node names; None for a closed curve without node. A closed curve with a node has start == end.
+    points : between start and end: a node's name or (3,) mm.
+    closed : the last point is joined to the first.
+    edge_length : target length of its edges, mm.
+    """
+
+    name: str
+    start: str | None
+    end: str | None
+    points: tuple[str | Floats, ...]
+    closed: bool
+    kind: Literal["polyline", "spline"]
+    on_surface: bool
+    slit: bool
+    edge_length: float
+    normals: NormalSpec
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class SignedCurve:
+    """An entry of `around`: a curve, or one stretch of it (between two nodes), forwards or backwards."""
+
+    curve: str
+    reversed: bool
+    stretch: tuple[str, str] | None
+    mark: Mark
+
+    def __str__(self) -> str:
+        stretch = f":{self.stretch[0]}..{self.stretch[1]}" if self.stretch else ""
+        return f"{'-' if self.reversed else ''}{self.curve}{stretch}"
+
+
+@dataclass(frozen=True, eq=False)
+class PatchSpec:
+    """A patch as the file gives it.
+
+    Attributes
+    ----------
+    loops : one tuple of signed curves per boundary loop (more than one: not a disk).
+    grain : unit (3,) or None.
+    min_angles : node name -> rad.
+    method : fitting parameters of this patch.
+    """
+
+    name: str
+    loops: tuple[tuple[SignedCurve, ...], ...]
+    material: str
+    cut: int
+    mirrored: int
+    grain: Floats | None
+    edge_length: float
+    min_angles: Mapping[str, float]
+    method: FairParameters | MultiLoopParameters
+    mark: Mark
+
+
+@dataclass(frozen=True, eq=False)
+class OpeningSpec:
+    name: str
+    loops: tuple[tuple[SignedCurve, ...], ...]
+    mark: Mark
+
+
+@dataclass(frozen=True)
+class Material:
+    """A roll that pieces are cut from; mm and degrees.
+
+    Attributes
+    ----------
+    rotations : allowed rotations relative to the grain; None: free.
+    length : longest layout; None: no limit.
+    """
+
+    name: str
+    width: float
+    length: float | None = None
+    rotations: tuple[float, ...] | None = (0.0, 180.0)
+    gap: float = 0.0
+    allowance: float = 0.0
+
+
+@dataclass(frozen=True, eq=False)
+class Project:
+    """A project file that has been read and checked on its own; what only the geometry tells comes later."""
+
+    file: Path
+    name: str
+    edge_length: float
+    chord_tolerance: float
+    surface: FormSurface | MeshSurface | None
+    nodes: Mapping[str, NodeSpec]
+    curves: Mapping[str, CurveSpec]
+    patches: Mapping[str, PatchSpec]
+    openings: Mapping[str, OpeningSpec]
+    rest_is_open: bool
+    materials: Mapping[str, Material]
+    nesting: NestingParameters = field(default_factory=NestingParameters)
