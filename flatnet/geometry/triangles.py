@@ -100,4 +100,14 @@ def hinge_angles(vertices: Floats, hinges: Ints) -> Floats:
     left = np.cross(edge, k - i)
     right = np.cross(l - i, edge)
     sine = np.einsum("ij,ij->i", np.cross(left, right), edge) / np.linalg.norm(edge, axis=1)
-    return -np.arctan2(sine, np.einsum("ij,ij->i", left, right))
+    return np.arctan2(sine, np.einsum("ij,ij->i", left, right))
+
+
+def bending(vertices: Floats, triangles: Ints) -> float:
+    """Sum over the hinges of theta^2 3 l^2 / (A1 + A2): 0 where flat, the same at every scale and mesh size."""
+    hinges = hinges_of(triangles)
+    i, j, k, l = hinges.T
+    area = np.linalg.norm(area_vectors(vertices, np.stack([i, j, k], axis=1)), axis=1)
+    area += np.linalg.norm(area_vectors(vertices, np.stack([j, i, l], axis=1)), axis=1)
+    length = edge_lengths(vertices, hinges[:, :2])
+    return float(np.sum(hinge_angles(vertices, hinges) ** 2 * 3.0 * length**2 / area))

@@ -1,0 +1,124 @@
+"""The default method: from M^0 to a mesh that is exactly flattenable and fair (in place of Algorithm 1).
+
+Same constraint as Eq. 5; fairness is measured by bending instead of the Laplacian, and the normals of the
+boundary are held by hinges to ghost triangles in the given tangent planes. docs/method.md says why and how
+well it does against the paper's algorithm.
+"""
+
+from __future__ import annotations
+
+from dataclasses import asdict
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import csr_matrix
+
+from flatnet.fitting.fair_energy import TIKHONOV, Term, fair_terms, ghost_vertices, smoothness_matrix
+from flatnet.fitting.results import FlattenableMesh, PlanarMesh, WarpedMesh
+from flatnet.geometry.angle_sums import AngleSums
+from flatnet.geometry.triangles import edge_lengths, edges_of
+from flatnet.network.patch import BoundaryCurve
+from flatnet.parameters import FairParameters
+from flatnet.solvers.band import BandLayout, BandMatrix, block_values
+from flatnet.solvers.constrained_descent import solve
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class FlattenableProblem:
+    """E(x) and c(x) of one patch as `solvers.constrained_descent` wants them; lengths in mean edges of M^p."""
+
+    def __init__(
+        self, planar: Floats, triangles: Ints, boundary_count: int, parameters: FairParameters
+    ) -> None:
+        vertex_count = len(planar)
+        total = vertex_count + boundary_count
+        free = np.zeros(total, dtype=bool)
+        free[boundary_count:vertex_count] = True
+        self.terms: list[Term] = fair_terms(planar, triangles, boundary_count, parameters)
+        self.sums = AngleSums(triangles, np.arange(boundary_count, vertex_count), total)
+        self._stars = self.sums.stars()
+        star_vertices = [vertices for _, vertices in self._stars]
+        self.layout = BandLayout(free, [term.elements for term in self.terms] + star_vertices)
+        self._term_slots = [self.layout.slots(term.unknowns) for term in self.terms]
+        self._star_slots = [
+            self.layout.slots((3 * v[:, :, None] + np.arange(3)).reshape(len(v), -1)) for v in star_vertices
+        ]
+        self._free = np.repeat(free, 3)
+        self.smoothness = smoothness_matrix(
+            np.concatenate([planar, np.zeros((boundary_count, 2))]), triangles, free
+        )
+        self._constant = self._constant_metric()
+
+    def _constant_metric(self) -> BandMatrix:
+        """Smoothness and Tikhonov: the part of the metric that does not change."""
+        entries = self.smoothness.tocoo()
+        slots, values = [], []
+        for axis in range(3):
+            rows = self.layout.row_of[3 * entries.row + axis]
+            columns = self.layout.row_of[3 * entries.col + axis]
+            lower = (columns >= 0) & (rows >= columns)
+            slots.append((rows - columns)[lower] + columns[lower] * (self.layout.bandwidth + 1))
+            values.append(entries.data[lower])
+        diagonal = np.arange(self.layout.size) * (self.layout.bandwidth + 1)
+        slots.append(diagonal)
+        values.append(np.full(self.layout.size, TIKHONOV))
+        return self.layout.assemble(zip(slots, values, strict=True))
+
+    def constraint(self, x: Floats) -> Floats:
+        return self.sums.values(x.reshape(-1, 3))
+
+    def jacobian(self, x: Floats) -> csr_matrix:
+        return self.sums.jacobian(x.reshape(-1, 3))
+
+    def energy(self, x: Floats) -> float:
+        vertices = x.reshape(-1, 3)
+        total = 0.5 * float(np.sum(vertices * (self.smoothness @ vertices)))
+        for term in self.terms:
+            total += 0.5 * float(term.energy_weights @ term.residuals(vertices) ** 2)
+        return total
+
+    def gradient_and_metric(self, x: Floats) -> tuple[Floats, BandMatrix]:
+        vertices = x.reshape(-1, 3)
+        gradient = (self.smoothness @ vertices).ravel()
+        parts = []
+        for term, slots in zip(self.terms, self._term_slots, strict=True):
+            jacobian = term.jacobian(vertices)
+            pull = jacobian * (term.energy_weights * term.residuals(vertices))[:, None]
+            gradient += np.bincount(term.unknowns.ravel(), weights=pull.ravel(), minlength=len(x))
+            parts.append((slots, block_values(jacobian, term.metric_weights)))
+        return gradient * self._free, self.layout.assemble(parts).plus(self._constant)
+
+    def gram(self, jacobian: csr_matrix) -> BandMatrix:
+        parts = []
+        for (rows, vertices), slots in zip(self._stars, self._star_slots, strict=True):
+            block = self.sums.star_rows(jacobian, rows, vertices.shape[1])
+            parts.append((slots, block_values(block, np.ones(len(rows)))))
+        return self.layout.assemble(parts)
+
+
+def fit_fair(
+    warped: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
+) -> FlattenableMesh:
+    """M from M^0: interpolates B exactly, flattenable to `parameters.tolerance` where it converges."""
+    scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
+    centre = boundary.vertices.mean(axis=0)
+    problem = FlattenableProblem(planar.positions / scale, planar.triangles, planar.boundary_count, parameters)
+    ghosts = ghost_vertices(boundary.vertices, boundary.normals)
+    start = (np.concatenate([warped.vertices, ghosts]) - centre) / scale
+    ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
+    result = solve(
+        problem, start.ravel(), ramp=ramp, tolerance=parameters.tolerance, max_steps=parameters.max_steps
+    )
+    vertices = result.x.reshape(-1, 3)[: len(warped.vertices)] * scale + centre
+    vertices[: planar.boundary_count] = boundary.vertices
+    return FlattenableMesh(
+        vertices,
+        planar.triangles,
+        planar.boundary_count,
+        method="fair",
+        parameters=asdict(parameters),
+        status=result.status,
+        steps=result.steps,
+    )

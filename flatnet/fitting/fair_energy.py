@@ -1,0 +1,187 @@
+"""What is fair: the energy that the default method lowers among the flattenable meshes, and its metric.
+
+Sums of squares of residuals per element (docs/method.md gives the table). The gradient and the Gauss-Newton
+metric have the same terms with different weights: the gradient says what is fair, the metric keeps steps
+smooth and triangles healthy. Lengths are in units of the mean edge of M^p.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_matrix, csr_matrix, diags_array
+
+from flatnet.geometry.derivatives import area_gradients, edge_length_gradients, hinge_angle_gradients
+from flatnet.geometry.triangles import (
+    area_vectors,
+    corner_angles,
+    edge_lengths,
+    edges_of,
+    hinge_angles,
+    hinges_of,
+    signed_areas,
+)
+from flatnet.parameters import FairParameters
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+#: Hinges are clipped here so that 2 tan(theta / 2) stays finite, rad.
+HINGE_CLIP = 3.0
+#: Largest weight 3 l^2 / (A1 + A2) of a hinge: slivers of M^p must not rule.
+HINGE_WEIGHT_CAP = 30.0
+#: Weights of the metric alone: edges, areas, and a multiple of the identity that keeps it definite.
+STRAIN_METRIC, AREA_METRIC, TIKHONOV = 3.0, 1.0, 1e-2
+
+
+@dataclass(frozen=True, eq=False)
+class Term:
+    """Residuals r_e of elements e, with weights: energy 1/2 sum w r^2, metric sum v (dr/dx)^T (dr/dx).
+
+    Attributes
+    ----------
+    elements : (e, k) vertex ids.
+    residuals : vertices -> (e,).
+    jacobian : vertices -> (e, 3 k).
+    energy_weights, metric_weights : (e,).
+    """
+
+    elements: Ints
+    residuals: Callable[[Floats], Floats]
+    jacobian: Callable[[Floats], Floats]
+    energy_weights: Floats
+    metric_weights: Floats
+
+    @property
+    def unknowns(self) -> Ints:
+        return (3 * self.elements[:, :, None] + np.arange(3)).reshape(len(self.elements), -1)
+
+
+def bending_term(hinges: Ints, weights: Floats, metric_weights: Floats) -> Term:
+    """r = 2 tan(theta / 2): the hinge angle, growing without bound towards a fold."""
+
+    def clipped(vertices: Floats) -> Floats:
+        return np.clip(hinge_angles(vertices, hinges), -HINGE_CLIP, HINGE_CLIP)
+
+    def residuals(vertices: Floats) -> Floats:
+        return 2.0 * np.tan(clipped(vertices) / 2.0)
+
+    def jacobian(vertices: Floats) -> Floats:
+        slope = 1.0 / np.cos(clipped(vertices) / 2.0) ** 2
+        return slope[:, None] * hinge_angle_gradients(vertices, hinges).reshape(len(hinges), -1)
+
+    return Term(hinges, residuals, jacobian, weights, metric_weights)
+
+
+def _symmetric_ratio_term(
+    elements: Ints,
+    sizes: Callable[[Floats, Ints], Floats],
+    gradients: Callable[[Floats, Ints], Floats],
+    rest: Floats,
+    weights: Floats,
+    metric_weights: Floats,
+) -> Term:
+    """r = (q - 1 / q) / 2 with q = size / rest: 0 at rest, the same for twice and half, unbounded at 0."""
+
+    def residuals(vertices: Floats) -> Floats:
+        q = sizes(vertices, elements) / rest
+        return 0.5 * (q - 1.0 / q)
+
+    def jacobian(vertices: Floats) -> Floats:
+        q = sizes(vertices, elements) / rest
+        slope = 0.5 * (1.0 + 1.0 / q**2) / rest
+        return slope[:, None] * gradients(vertices, elements).reshape(len(elements), -1)
+
+    return Term(elements, residuals, jacobian, weights, metric_weights)
+
+
+def strain_term(edges: Ints, rest: Floats, weight: float) -> Term:
+    ones = np.ones(len(edges))
+    return _symmetric_ratio_term(
+        edges, edge_lengths, edge_length_gradients, rest, weight * ones, STRAIN_METRIC * ones
+    )
+
+
+def area_term(triangles: Ints, rest: Floats, weight: float) -> Term:
+    def areas(vertices: Floats, triangles: Ints) -> Floats:
+        return np.linalg.norm(area_vectors(vertices, triangles), axis=1)
+
+    ones = np.ones(len(triangles))
+    return _symmetric_ratio_term(triangles, areas, area_gradients, rest, weight * ones, AREA_METRIC * ones)
+
+
+def smoothness_matrix(planar: Floats, triangles: Ints, free: NDArray[np.bool_]) -> csr_matrix:
+    """Q = L^T M^-1 L over the rows of the free vertices: cotangent L, lumped areas M, both of M^p."""
+    count = len(free)
+    cotangents = 1.0 / np.tan(corner_angles(planar, triangles))
+    rows, columns, values = [], [], []
+    for corner in range(3):
+        a, b = triangles[:, (corner + 1) % 3], triangles[:, (corner + 2) % 3]
+        half = 0.5 * cotangents[:, corner]
+        rows += [a, b, a, b]
+        columns += [b, a, a, b]
+        values += [-half, -half, half, half]
+    laplacian = coo_matrix(
+        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
+    ).tocsr()
+    thirds = np.abs(signed_areas(planar, triangles)) / 3.0
+    areas = np.bincount(triangles.ravel(), weights=np.repeat(thirds, 3), minlength=count)
+    scale = np.where(free, 1.0 / np.sqrt(np.where(free, areas, 1.0)), 0.0)
+    half_operator = diags_array(scale) @ laplacian
+    return (half_operator.T @ half_operator).tocsr()
+
+
+def hinge_weights(planar: Floats, hinges: Ints) -> Floats:
+    """3 l^2 / (A1 + A2) of every hinge on M^p, capped."""
+    i, j, k, l = hinges.T
+    length = edge_lengths(planar, hinges[:, :2])
+    area = np.abs(signed_areas(planar, np.stack([i, j, k], 1))) + np.abs(
+        signed_areas(planar, np.stack([j, i, l], 1))
+    )
+    return np.minimum(3.0 * length**2 / area, HINGE_WEIGHT_CAP)
+
+
+def boundary_hinges(triangles: Ints, boundary_count: int) -> Ints:
+    """The hinges between boundary triangles and their ghosts, (n, 4): i, i + 1, inner vertex, ghost m + i."""
+    vertex_count = int(triangles.max()) + 1
+    following = np.arange(1, boundary_count + 1) % boundary_count
+    inner = np.full(boundary_count, -1)
+    for corner in range(3):
+        tail, head = triangles[:, corner], triangles[:, (corner + 1) % 3]
+        on_boundary = tail < boundary_count
+        on_boundary[on_boundary] = following[tail[on_boundary]] == head[on_boundary]
+        inner[tail[on_boundary]] = triangles[on_boundary, (corner + 2) % 3]
+    ghosts = vertex_count + np.arange(boundary_count)
+    return np.stack([np.arange(boundary_count), following, inner, ghosts], axis=1)
+
+
+def ghost_vertices(boundary: Floats, normals: Floats) -> Floats:
+    """A point outside every boundary edge in its given tangent plane, (n, 3), one edge length away."""
+    edge = np.roll(boundary, -1, axis=0) - boundary
+    middle = boundary + 0.5 * edge
+    return middle + np.cross(edge, normals)
+
+
+def fair_terms(
+    planar: Floats, triangles: Ints, boundary_count: int, parameters: FairParameters
+) -> list[Term]:
+    """Bending, given normals, strain and area over a mesh whose ghosts follow its m vertices."""
+    hinges = hinges_of(triangles)
+    weights = hinge_weights(planar, hinges)
+    rim = boundary_hinges(triangles, boundary_count)
+    rim_length = edge_lengths(planar, rim[:, :2])
+    rim_area = np.abs(signed_areas(planar, rim[:, :3]))
+    # The ghost stands for a triangle as large as the one inside.
+    rim_weights = np.minimum(3.0 * rim_length**2 / (2.0 * rim_area), HINGE_WEIGHT_CAP)
+    held = parameters.normal_weight * rim_weights
+    edges = edges_of(triangles)
+    edges = edges[(edges >= boundary_count).any(axis=1)]
+    return [
+        bending_term(hinges, weights, weights),
+        bending_term(rim, held, held),
+        strain_term(edges, edge_lengths(planar, edges), parameters.strain_weight),
+        area_term(triangles, np.abs(signed_areas(planar, triangles)), parameters.area_weight),
+    ]

@@ -1,0 +1,118 @@
+"""Warp the planar mesh M^p onto the boundary curve (paper 3.3, Eq. 3)."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial import cKDTree
+
+from flatnet.failure import PatchFailure
+from flatnet.fitting.results import PlanarMesh, WarpedMesh
+from flatnet.geometry.triangles import edge_lengths, edges_of, unit
+from flatnet.network.patch import BoundaryCurve
+from flatnet.solvers.rbf import fit_triharmonic
+
+Floats = NDArray[np.float64]
+
+#: Constraint points nearer to each other than this part of tau are merged: at a right-angled corner the T_in of
+#: both edges coincide, and the system would be singular.
+MERGE_DISTANCE = 0.1
+#: Below this reciprocal condition the solution has no digit left.
+SINGULAR = 1e-15
+#: B must be interpolated to this part of its size, and M^0 must stay within this many sizes of it.
+INTERPOLATION_TOLERANCE, FARTHEST = 1e-6, 3.0
+
+
+def warp(planar: PlanarMesh, boundary: BoundaryCurve, cross_tangents: bool = True) -> WarpedMesh:
+    """Carry M^p to M^0, which interpolates B and approximates its normals.
+
+    A triharmonic RBF takes constraint points on and around the planar boundary to their partners on B: the
+    vertices, mid-edge points lifted by tau / 2 along the normals, and mid-edge points moved out and in by
+    tau / 2 along the cross-tangents (T_out, T_in; their planar partners are moved across B^p as far, which
+    the paper leaves out). tau is the mean edge length of M^p.
+
+    Parameters
+    ----------
+    planar : M^p; its first n vertices are the boundary, in the order of `boundary`.
+    boundary : B, (n, 3) vertices in mm and (n, 3) unit edge normals.
+    cross_tangents : False leaves out T_out and T_in (Fig. 6a).
+
+    Raises
+    ------
+    PatchFailure
+        `warp_singular` where the constraint points are degenerate, found by condition and by result.
+    """
+    tau = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
+    outline = planar.positions[: planar.boundary_count]
+    sources, targets = constraint_points(outline, boundary, tau, cross_tangents)
+    sources, targets = _merge(sources, targets, MERGE_DISTANCE * tau, fixed=len(outline))
+    mapping = fit_triharmonic(sources, targets)
+    flat = np.column_stack([planar.positions, np.zeros(len(planar.positions))])
+    vertices = mapping(flat)
+    _check(vertices, boundary, mapping.reciprocal_condition)
+    vertices[: planar.boundary_count] = boundary.vertices
+    return WarpedMesh(vertices, planar.triangles, planar.boundary_count)
+
+
+def constraint_points(
+    outline: Floats, boundary: BoundaryCurve, tau: float, cross_tangents: bool
+) -> tuple[Floats, Floats]:
+    """V^p and V of Eq. 3, (k, 3) each: vertices, lifted points, then T_out and T_in."""
+    flat = np.column_stack([outline, np.zeros(len(outline))])
+    flat_edge = np.roll(flat, -1, axis=0) - flat
+    edge = np.roll(boundary.vertices, -1, axis=0) - boundary.vertices
+    flat_middle, middle = flat + 0.5 * flat_edge, boundary.vertices + 0.5 * edge
+    up = np.array([0.0, 0.0, 1.0])
+    reach = 0.5 * tau
+    sources = [flat, flat_middle + reach * up]
+    targets = [boundary.vertices, middle + reach * boundary.normals]
+    if cross_tangents:
+        flat_out = np.cross(unit(flat_edge), up)
+        out = np.cross(unit(edge), boundary.normals)
+        sources += [flat_middle + reach * flat_out, flat_middle - reach * flat_out]
+        targets += [middle + reach * out, middle - reach * out]
+    return np.concatenate(sources), np.concatenate(targets)
+
+
+def _merge(sources: Floats, targets: Floats, distance: float, fixed: int) -> tuple[Floats, Floats]:
+    """One point for every cluster of sources nearer than `distance`; the first `fixed` are never moved.
+
+    A point near a boundary vertex is dropped for it; others become their average, and so do their partners.
+    """
+    leader = np.arange(len(sources))
+    for a, b in np.array(sorted(cKDTree(sources).query_pairs(distance)), dtype=np.int64).reshape(-1, 2):
+        if b >= fixed:
+            leader[b] = min(leader[b], leader[a])
+    merged_sources, merged_targets = [], []
+    for first in np.unique(leader):
+        members = np.flatnonzero(leader == first) if first >= fixed else np.array([first])
+        merged_sources.append(sources[members].mean(axis=0))
+        merged_targets.append(targets[members].mean(axis=0))
+    return np.array(merged_sources), np.array(merged_targets)
+
+
+def _check(vertices: Floats, boundary: BoundaryCurve, reciprocal_condition: float) -> None:
+    centre = boundary.vertices.mean(axis=0)
+    size = float(np.linalg.norm(boundary.vertices - centre, axis=1).max())
+    miss = float(np.linalg.norm(vertices[: len(boundary.vertices)] - boundary.vertices, axis=1).max())
+    reach = float(np.linalg.norm(vertices - centre, axis=1).max())
+    remedy = "Edges of very different length next to each other, or a boundary that touches itself, do this."
+    if not (reciprocal_condition > SINGULAR and miss <= INTERPOLATION_TOLERANCE * size):
+        raise PatchFailure.of(
+            "warp_singular",
+            "warp",
+            f"the warp's equations are singular (reciprocal condition {reciprocal_condition:.1e}, "
+            f"boundary missed by {miss:.3g} mm).",
+            remedy,
+            amount=miss,
+            unit="mm",
+        )
+    if not reach <= FARTHEST * size:
+        raise PatchFailure.of(
+            "warp_singular",
+            "warp",
+            f"the warped mesh flies {reach:.3g} mm off a boundary of radius {size:.3g} mm.",
+            remedy,
+            amount=reach,
+            unit="mm",
+        )

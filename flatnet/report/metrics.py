@@ -1,0 +1,94 @@
+"""What is measured on a fitted patch; docs/report.md says what every figure means."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.fitting.results import FittedPatch
+from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.intersections import self_intersections
+from flatnet.geometry.triangles import (
+    area_vectors,
+    bending,
+    corner_angles,
+    hinge_angles,
+    hinges_of,
+    signed_areas,
+    unit,
+)
+from flatnet.network.patch import BoundaryCurve
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+def boundary_triangle_normals(vertices: Floats, triangles: Ints, boundary_count: int) -> Floats:
+    """Unit normal of the triangle at every boundary edge, (n, 3), in the order of B."""
+    following = np.arange(1, boundary_count + 1) % boundary_count
+    normals = np.empty((boundary_count, 3))
+    for corner in range(3):
+        tail, head = triangles[:, corner], triangles[:, (corner + 1) % 3]
+        at = np.flatnonzero((tail < boundary_count) & (following[np.minimum(tail, boundary_count - 1)] == head))
+        normals[tail[at]] = unit(area_vectors(vertices, triangles[at]))
+    return normals
+
+
+def normal_deviations(fitted: FittedPatch) -> Floats:
+    """Angle between the given normal and that of the mesh at every boundary edge, (n,), rad."""
+    mesh, boundary = fitted.mesh, fitted.patch.boundary
+    normals = boundary_triangle_normals(mesh.vertices, mesh.triangles, mesh.boundary_count)
+    return angles_between(normals, boundary.normals)
+
+
+def angles_between(a: Floats, b: Floats) -> Floats:
+    """Angle between two arrays of unit vectors, row by row, rad."""
+    return 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+
+
+def boundary_error(fitted: FittedPatch) -> float:
+    """Largest distance of a boundary vertex of the mesh from its place on B, mm."""
+    boundary: BoundaryCurve = fitted.patch.boundary
+    on_mesh = fitted.mesh.vertices[: fitted.mesh.boundary_count]
+    return float(np.linalg.norm(on_mesh - boundary.vertices, axis=1).max())
+
+
+def surface_distance(fitted: FittedPatch, surface: ReferenceSurface) -> dict[str, float]:
+    """Distance of the mesh's vertices from the reference surface, mm; `max_inside` is below its outer side."""
+    nearest, normals = surface.nearest(fitted.mesh.vertices)
+    offset = fitted.mesh.vertices - nearest
+    distance = np.linalg.norm(offset, axis=1)
+    inside = np.einsum("ij,ij->i", offset, normals) < 0.0
+    return {
+        "mean": float(distance.mean()),
+        "max": float(distance.max()),
+        "max_inside": float(distance[inside].max(initial=0.0)),
+    }
+
+
+def metrics(fitted: FittedPatch, surface: ReferenceSurface | None) -> dict[str, object]:
+    """The `metrics` of a patch in report.json."""
+    mesh = fitted.mesh
+    deviations = np.degrees(normal_deviations(fitted))
+    hinges = hinges_of(mesh.triangles)
+    areas = signed_areas(fitted.flat, mesh.triangles)
+    return {
+        "vertices": len(mesh.vertices),
+        "triangles": len(mesh.triangles),
+        "max_flattenability_rad": mesh.max_flattenability,
+        "mean_flattenability_rad": float(mesh.flattenability[mesh.boundary_count :].mean()),
+        "initial_max_flattenability_rad": fitted.warped.max_flattenability,
+        "max_edge_strain": fitted.max_edge_strain,
+        "boundary_error_mm": boundary_error(fitted),
+        "angle_error": fitted.planar_boundary.angle_error,
+        "max_normal_deviation_deg": float(deviations.max()),
+        "mean_normal_deviation_deg": float(deviations.mean()),
+        "surface_distance_mm": surface_distance(fitted, surface) if surface is not None else None,
+        "lemma_2_margin_rad": fitted.planar_boundary.lemma_2_margin,
+        "max_dihedral_deg": float(np.degrees(np.abs(hinge_angles(mesh.vertices, hinges)).max(initial=0.0))),
+        "bending": bending(mesh.vertices, mesh.triangles),
+        "min_triangle_angle_deg": float(np.degrees(corner_angles(fitted.flat, mesh.triangles).min())),
+        "flipped_triangles": int((areas <= 0.0).sum()),
+        "self_intersections_3d": len(self_intersections(mesh.vertices, mesh.triangles)),
+        "area_mm2": float(areas.sum()),
+    }
