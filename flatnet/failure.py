@@ -22,6 +22,7 @@ CODES: dict[str, str] = {
     "sheet_too_small": "the piece does not fit on the material",
     "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
     "opposed_normals": "the normals of two neighbouring edges are opposed",
+    "draft_layout": "the nesting engine gave no layout: the pieces are laid in plain rows",
 }
 
 
@@ -33,7 +34,7 @@ class Finding:
     ----------
     code : a key of `CODES`.
     stage : the stage that found it: network, planar_boundary, tessellation, warp, flattenable_mesh, unfold,
-        nesting.
+        pattern, nesting.
     where : the place on the patch in words: curve and mm along it, vertex and coordinates; "" for all of it.
     amount : how much, in `unit`; None where there is nothing to measure.
     message : the whole statement in a sentence.

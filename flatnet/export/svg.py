@@ -1,0 +1,183 @@
+"""Draw layouts and single pieces as SVG in true scale: one unit of the drawing is 1 mm.
+
+Inside a piece's group, coordinates are those of the piece's own frame, y up: a vertex of the path `sew` is
+the `vt` of the patch's OBJ, rounded to 0.001 mm. The group's matrix, in full precision, does the rest: the
+placement on the sheet, then the flip of y, because SVG is y-down. So a plain copy is seen from the side that
+the normals point to, and a mirrored one mirrored. Text has a matrix of its own that keeps it upright and
+never mirrored.
+"""
+
+from __future__ import annotations
+
+import textwrap
+from collections.abc import Iterator, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import svgwrite
+from numpy.typing import NDArray
+from svgwrite.container import Group
+from svgwrite.extensions import Inkscape
+
+from flatnet.nesting.layout import Layout, Placement, turn
+from flatnet.pattern.labels import LETTER_WIDTH, LINE_PITCH, Label
+from flatnet.pattern.piece import Piece
+
+Floats = NDArray[np.float64]
+
+#: Class of a path -> its stroke: a laser's software tells the operations apart by colour.
+STROKES = {
+    "cut": "#ff0000",
+    "sew": "#0000ff",
+    "grain": "#00aa00",
+    "sheet": "#888888",
+    "test-square": "#888888",
+}
+STROKE_WIDTH = 0.3  # mm
+TEST_SQUARE = 50.0  # mm
+MARGIN = 10.0  # mm around the test square and the title below the sheet
+TITLE_HEIGHT = 6.0  # mm, on a small page
+TITLE_PART = 0.01  # the title's height as a part of a long page's length, to be read when all of it is seen
+TITLE_LETTERS = 90  # in a line of the title
+
+
+def write_layout(path: Path, layout: Layout, project: str, missing: Sequence[str] = ()) -> None:
+    """Draw one sheet: its pieces, and below it a 50 mm test square and the title.
+
+    Parameters
+    ----------
+    missing : patches of this material that could not be made; the drawing says so.
+    """
+    material, length = layout.material, layout.used_length
+    title = [
+        f"{project} · {material.name}" + (f" · sheet {layout.sheet}" if layout.sheet > 1 else ""),
+        f"{material.width:g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
+    ]
+    if layout.draft:
+        title.append("draft: plain rows, not nested")
+    if missing:
+        title.append(f"INCOMPLETE: missing {', '.join(missing)}")
+    _write_page(path, np.array([length, material.width]), layout.placements, title, sheet=True)
+
+
+def write_piece(path: Path, piece: Piece) -> None:
+    """Draw one piece alone, in its own orientation, with a 50 mm test square."""
+    corner, size = piece.cut_line.min(axis=0), np.ptp(piece.cut_line, axis=0)
+    x, y = MARGIN - corner
+    title = [" · ".join(piece.label.lines)]
+    _write_page(path, size + 2.0 * MARGIN, [Placement(piece, 1, False, 0.0, x, y)], title, sheet=False)
+
+
+def _write_page(
+    path: Path, size: Floats, placements: Sequence[Placement], title: Sequence[str], sheet: bool
+) -> None:
+    """A page with the sheet at its top left corner and the test square and title below it."""
+    lines = [part for line in title for part in textwrap.wrap(line, TITLE_LETTERS)]
+    letter = min(max(TITLE_HEIGHT, TITLE_PART * size[0]), 4.0 * TITLE_HEIGHT)
+    text_width = LETTER_WIDTH * letter * max(map(len, lines))
+    text_height = LINE_PITCH * letter * len(lines)
+    width = _rounded(max(size[0], TEST_SQUARE + text_width + 3.0 * MARGIN))
+    height = _rounded(size[1] + max(TEST_SQUARE, text_height) + 2.0 * MARGIN)
+    drawing = svgwrite.Drawing(
+        str(path), size=(f"{width}mm", f"{height}mm"), viewBox=f"0 0 {width} {height}", debug=False
+    )
+    inkscape = Inkscape(drawing)
+    page = drawing.add(inkscape.layer(label="sheet", id="sheet"))
+    pieces = drawing.add(inkscape.layer(label="pieces", id="pieces"))
+
+    if sheet:
+        page.add(_path(drawing, "sheet", np.array([[0, 0], [size[0], 0], size, [0, size[1]]])))
+    top = size[1] + MARGIN
+    square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * TEST_SQUARE + (MARGIN, top)
+    page.add(_path(drawing, "test-square", square))
+    centre = square.mean(axis=0)
+    page.add(_text(drawing, f"{TEST_SQUARE:g} mm", centre[0], centre[1], TITLE_HEIGHT, "middle"))
+    for number, line in enumerate(lines):
+        base = top + letter * (1.0 + LINE_PITCH * number)
+        page.add(_text(drawing, line, TEST_SQUARE + 2.0 * MARGIN, base, letter, "start"))
+    for placement in placements:
+        pieces.add(_piece(drawing, placement, size[1]))
+    drawing.save(pretty=True)
+
+
+def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) -> Group:
+    piece = placement.piece
+    flip = np.diag([1.0, -1.0])
+    linear = flip @ turn(placement.rotation_deg, placement.mirrored)  # piece frame, y up -> drawing, y down
+    group = drawing.g(
+        class_="piece",
+        data_patch=piece.name,
+        data_copy=str(placement.copy),
+        data_mirrored=str(placement.mirrored).lower(),
+    )
+    group.matrix(*_plain(linear.T.ravel()), *_plain([placement.x_mm, sheet_width - placement.y_mm]))
+    group.add(_path(drawing, "cut", piece.cut_line))
+    group.add(_path(drawing, "sew", piece.sew_line))
+    if piece.grain is not None:
+        group.add(_arrow(drawing, "grain", piece.grain))
+    for label in [piece.label, *(run.label for run in piece.seams if run.label)]:
+        for text in _label(drawing, label, linear):
+            group.add(text)
+    return group
+
+
+def _label(drawing: svgwrite.Drawing, label: Label, linear: Floats) -> Iterator[Any]:
+    """The lines of a label, upright on the drawing whatever the piece's matrix does."""
+    along = linear @ label.direction
+    if along[0] < -1e-6 or (abs(along[0]) <= 1e-6 and along[1] > 0.0):  # upside down, or reading downwards
+        along = -along
+    upright = linear.T @ np.array([[along[0], -along[1]], [along[1], along[0]]])  # linear is orthogonal
+    for number, line in enumerate(label.lines):
+        # Base lines about the centre; the middle of a capital is 0.35 heights above its base line.
+        base = label.height * (LINE_PITCH * (number - 0.5 * (len(label.lines) - 1)) + 0.35)
+        text = _text(drawing, line, 0.0, base, label.height, "middle")
+        text.matrix(*_plain(upright.T.ravel()), *_plain(label.position))
+        yield text
+
+
+def _text(drawing: svgwrite.Drawing, text: str, x: float, y: float, height: float, anchor: str) -> Any:
+    return drawing.text(
+        text,
+        insert=(_rounded(x), _rounded(y)),
+        class_="text",
+        font_size=_rounded(height),
+        font_family="sans-serif",
+        text_anchor=anchor,
+        fill="#000000",
+    )
+
+
+def _path(drawing: svgwrite.Drawing, kind: str, outline: Floats) -> Any:
+    """A closed path."""
+    return _stroked(drawing, kind, f"M {_points(outline)} Z")
+
+
+def _arrow(drawing: svgwrite.Drawing, kind: str, ends: Floats) -> Any:
+    tail, head = ends
+    along = (head - tail) / np.linalg.norm(head - tail)
+    size = min(6.0, 0.2 * float(np.linalg.norm(head - tail)))
+    back = head - size * along
+    across = 0.4 * size * np.array([-along[1], along[0]])
+    barbs = np.array([back + across, head, back - across])
+    return _stroked(drawing, kind, f"M {_points(ends)} M {_points(barbs)}")
+
+
+def _stroked(drawing: svgwrite.Drawing, kind: str, commands: str) -> Any:
+    return drawing.path(
+        d=commands, class_=kind, fill="none", stroke=STROKES[kind], stroke_width=STROKE_WIDTH
+    )
+
+
+def _points(points: Floats) -> str:
+    return " ".join(f"{_rounded(x)},{_rounded(y)}" for x, y in points)
+
+
+def _rounded(value: float) -> float:
+    """To 0.001 mm, and no -0."""
+    return round(float(value), 3) + 0.0
+
+
+def _plain(numbers: Sequence[float] | Floats) -> list[float]:
+    """Python floats, which print in full, without -0."""
+    return [float(number) + 0.0 for number in numbers]

@@ -1,0 +1,82 @@
+"""The one checker that every layout passes through before it is used, whoever made it."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+import shapely
+from shapely import Polygon
+
+from flatnet.nesting.layout import Layout, Placement, copies_of
+from flatnet.pattern.piece import Piece
+
+#: mm. Cut lines are written to 0.001 mm: what is smaller is not in the file.
+TOLERANCE = 1e-3
+#: Degrees. Rotations are copied from the material's list; over a piece of 10 m this is 2e-7 mm.
+ROTATION_TOLERANCE = 1e-9
+
+
+def check_layouts(layouts: Sequence[Layout], pieces: Sequence[Piece]) -> list[str]:
+    """Everything that is wrong with the sheets of one material: nothing, where they may be cut.
+
+    Checked: every copy of every piece once and no other, mirrored only where asked, allowed rotations only,
+    inside the sheet, no overlap, the gap kept; lengths within `TOLERANCE`.
+    """
+    problems = list(_count(layouts, pieces))
+    for layout in layouts:
+        placed = []
+        for placement in layout.placements:
+            if not np.isfinite([placement.rotation_deg, placement.x_mm, placement.y_mm]).all():
+                problems.append(f"{placement}: its place is not a number")
+                continue
+            region = shapely.transform(placement.piece.region, placement.place)
+            placed.append((placement, region))
+            problems += _rotation(placement, layout)
+            problems += _inside(placement, region, layout)
+        problems += _apart(placed, layout.material.gap)
+    return problems
+
+
+def _count(layouts: Sequence[Layout], pieces: Sequence[Piece]) -> Iterator[str]:
+    wanted = Counter(str(copy) for copy in copies_of(pieces))
+    found = Counter(str(placement) for layout in layouts for placement in layout.placements)
+    for name in sorted(wanted | found):
+        if found[name] != wanted[name]:
+            yield f"{name}: placed {found[name]} times instead of {wanted[name]}"
+
+
+def _rotation(placement: Placement, layout: Layout) -> Iterator[str]:
+    allowed = layout.material.rotations
+    if allowed is None:
+        return
+    # The distance on the circle: 359.999... and 0 are neighbours.
+    away = [abs((placement.rotation_deg - angle + 180.0) % 360.0 - 180.0) for angle in allowed]
+    if min(away) > ROTATION_TOLERANCE:
+        yield f"{placement}: rotated by {placement.rotation_deg:g} degrees, allowed are {allowed}"
+
+
+def _inside(placement: Placement, region: Polygon, layout: Layout) -> Iterator[str]:
+    left, bottom, right, top = region.bounds
+    length = np.inf if layout.material.length is None else layout.material.length
+    beyond = max(-left, -bottom, top - layout.material.width, right - length)
+    if beyond > TOLERANCE:
+        yield f"{placement}: {beyond:.3f} mm outside the sheet"
+
+
+def _apart(placed: Sequence[tuple[Placement, Polygon]], gap: float) -> Iterator[str]:
+    # Each piece shrunk by half the tolerance: what still overlaps does so by more than the tolerance, and
+    # touching pieces stand clear.
+    regions = np.array([region for _, region in placed], dtype=object)
+    shrunk = shapely.buffer(regions, -0.5 * TOLERANCE, join_style="mitre")
+    first, second = shapely.STRtree(shrunk).query(shrunk, predicate="dwithin", distance=gap)
+    for i, j in sorted(zip(first, second)):
+        if i >= j:
+            continue
+        names = f"{placed[i][0]} and {placed[j][0]}"
+        distance = regions[i].distance(regions[j])
+        if shapely.intersects(shrunk[i], shrunk[j]):
+            yield f"{names}: overlap, {regions[i].intersection(regions[j]).area:.3g} mm^2"
+        elif distance < gap - TOLERANCE:
+            yield f"{names}: {distance:.3f} mm apart instead of {gap:g}"

@@ -1,0 +1,94 @@
+"""Copies of pieces laid on a sheet: what is placed, where, and how much of the sheet it uses."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterable
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.pattern.piece import Piece
+from flatnet.project.model import Material
+
+Floats = NDArray[np.float64]
+
+
+@dataclass(frozen=True, eq=False)
+class Copy:
+    """One thing to cut; the copies of a piece count from 1, the plain ones before the mirrored ones."""
+
+    piece: Piece
+    number: int
+    mirrored: bool
+
+    def __str__(self) -> str:
+        return f"{self.piece.name} copy {self.number}{' (mirrored)' if self.mirrored else ''}"
+
+
+def copies_of(pieces: Iterable[Piece]) -> list[Copy]:
+    """Every copy that is to be cut, in the order of the pieces."""
+    return [
+        Copy(piece, number, number > piece.cut)
+        for piece in pieces
+        for number in range(1, piece.cut + piece.mirrored + 1)
+    ]
+
+
+def turn(rotation_deg: float, mirrored: bool) -> Floats:
+    """R(rotation) M, (2, 2), where M mirrors y, which leaves the grain along x."""
+    # Rounded, so that quarter turns have no 1e-16 in them; 5e-16 is nothing over any roll.
+    c, s = (round(f(math.radians(rotation_deg)), 15) for f in (math.cos, math.sin))
+    return np.array([[c, -s], [s, c]]) @ np.diag([1.0, -1.0 if mirrored else 1.0])
+
+
+@dataclass(frozen=True, eq=False)
+class Placement:
+    """A copy on the sheet: a point p of the piece lies at R(rotation) M p + (x, y), M mirroring y or nothing.
+
+    The sheet's x runs along the roll from its start, y across it from 0 to its width, seen from the side that
+    the normals point to.
+    """
+
+    piece: Piece
+    copy: int
+    mirrored: bool
+    rotation_deg: float
+    x_mm: float
+    y_mm: float
+
+    def place(self, points: Floats) -> Floats:
+        """Points of the piece's frame, (n, 2), on the sheet."""
+        return points @ turn(self.rotation_deg, self.mirrored).T + (self.x_mm, self.y_mm)
+
+    def __str__(self) -> str:
+        return str(Copy(self.piece, self.copy, self.mirrored))
+
+
+@dataclass(frozen=True, eq=False)
+class Layout:
+    """A sheet (a length of a roll) with its pieces.
+
+    Attributes
+    ----------
+    sheet : the sheets of a material count from 1.
+    draft : laid in plain rows, because the nesting engine gave no valid layout.
+    digest : of everything that the layout was made from (`stored.digest_of`).
+    """
+
+    material: Material
+    placements: tuple[Placement, ...]
+    sheet: int = 1
+    draft: bool = False
+    digest: str = ""
+
+    @property
+    def used_length(self) -> float:
+        """mm of the roll, from its start."""
+        return max(float(p.place(p.piece.cut_line)[:, 0].max()) for p in self.placements)
+
+    @property
+    def utilisation(self) -> float:
+        """Area inside the cut lines over width x used length."""
+        return sum(p.piece.area for p in self.placements) / (self.material.width * self.used_length)

@@ -1,0 +1,79 @@
+"""In which rotations a piece fits on its material, and what to say where it fits in none."""
+
+from __future__ import annotations
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+
+from flatnet.failure import Finding
+from flatnet.nesting.check import TOLERANCE
+from flatnet.nesting.layout import turn
+from flatnet.pattern.piece import Piece
+from flatnet.project.model import Material
+
+Floats = NDArray[np.float64]
+
+#: Degrees between the rotations tried where rotation is free, besides those that lay a side along the roll.
+FREE_STEP = 15.0
+
+
+def candidate_rotations(piece: Piece, mirrored: bool, material: Material) -> Floats:
+    """The rotations to try, degrees: the allowed ones; where all are, a choice with the narrowest among them.
+
+    A convex outline is narrowest with one of its sides along the roll (rotating callipers), so the sides of
+    the hull are among the free rotations.
+    """
+    if material.rotations is not None:
+        return np.array(material.rotations)
+    hull = shapely.get_coordinates(shapely.convex_hull(piece.region)) @ turn(0.0, mirrored).T
+    sides = np.diff(hull, axis=0)
+    along = -np.degrees(np.arctan2(sides[:, 1], sides[:, 0])) % 360.0
+    return np.unique(np.concatenate([np.arange(0.0, 360.0, FREE_STEP), along, (along + 90.0) % 360.0]))
+
+
+def extents(piece: Piece, mirrored: bool, rotations: Floats) -> Floats:
+    """Size along and across the roll in each rotation, (k, 2), mm."""
+    hull = shapely.get_coordinates(shapely.convex_hull(piece.region))
+    return np.array([np.ptp(hull @ turn(angle, mirrored).T, axis=0) for angle in rotations])
+
+
+def fitting_rotations(piece: Piece, mirrored: bool, material: Material) -> Floats:
+    """Those of the candidate rotations in which the piece fits on the material, degrees."""
+    rotations = candidate_rotations(piece, mirrored, material)
+    size = extents(piece, mirrored, rotations)
+    length = np.inf if material.length is None else material.length
+    return rotations[(size <= np.array([length, material.width]) + 0.5 * TOLERANCE).all(axis=1)]
+
+
+def fits_anyhow(piece: Piece, material: Material) -> bool:
+    """Whether the piece fits in every rotation there is."""
+    room = material.width if material.length is None else min(material.width, material.length)
+    return 2.0 * float(shapely.minimum_bounding_radius(piece.region)) <= room
+
+
+def too_large(piece: Piece, material: Material) -> Finding | None:
+    """`sheet_too_small` for a piece of which a copy fits in no allowed rotation, with both numbers."""
+    kinds = [False] * (piece.cut > 0) + [True] * (piece.mirrored > 0)
+    for mirrored in kinds:
+        if len(fitting_rotations(piece, mirrored, material)):
+            continue
+        rotations = candidate_rotations(piece, mirrored, material)
+        size = extents(piece, mirrored, rotations)
+        across = float(size[:, 1].min())
+        if across > material.width:
+            what, needed, room = "wide", across, material.width
+        else:  # narrow enough in some rotation, and too long in each of those
+            what, room = "long", float(material.length or np.inf)
+            needed = float(size[size[:, 1] <= material.width + 0.5 * TOLERANCE, 0].min())
+        return Finding(
+            code="sheet_too_small",
+            stage="nesting",
+            patch=piece.name,
+            amount=needed,
+            unit="mm",
+            message=f"with its allowance the piece is at least {needed:.1f} mm {what} in every allowed "
+            f"rotation, and material '{material.name}' is {room:.1f} mm.",
+            remedy=f"Divide the patch, allow other rotations, or take a material that is {what} enough.",
+        )
+    return None

@@ -1,0 +1,89 @@
+"""Placements kept in a file and used again where nothing that they were made from has changed.
+
+The engine works against the clock, so the same seed need not give the same layout twice; what must repeat is
+stored.
+"""
+
+from __future__ import annotations
+
+import hashlib
+import json
+from collections.abc import Iterable, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from flatnet.nesting.layout import Layout, Placement
+from flatnet.parameters import NestingParameters
+from flatnet.pattern.piece import Piece
+from flatnet.project.model import Material
+
+FORMAT = "flatnet-layout/1"
+
+#: Digest -> the placements of each sheet, as in the file.
+Stored = Mapping[str, Any]
+
+
+def digest_of(pieces: Sequence[Piece], material: Material, parameters: NestingParameters) -> str:
+    """SHA-256 of everything that a layout depends on; cut lines count to 0.001 mm."""
+    content = {
+        "pieces": [
+            [piece.name, piece.cut, piece.mirrored, np.rint(piece.cut_line * 1000.0).astype(int).tolist()]
+            for piece in pieces
+        ],
+        "sheet": [material.width, material.length, material.rotations, material.gap],
+        "engine": [parameters.seconds, parameters.seed],
+    }
+    return hashlib.sha256(json.dumps(content).encode()).hexdigest()
+
+
+def read_stored(path: Path) -> Stored:
+    """What an earlier build stored; nothing where the file is absent, corrupt or not ours."""
+    try:
+        content = json.loads(path.read_text(encoding="utf-8"))
+    except (OSError, ValueError):
+        return {}
+    if not isinstance(content, dict) or content.get("format") != FORMAT:
+        return {}
+    layouts = content.get("layouts")
+    return layouts if isinstance(layouts, dict) else {}
+
+
+def write_stored(path: Path, layouts: Iterable[Layout]) -> None:
+    """Store the placements of all layouts; drafts are left out, so that the engine is asked again."""
+    stored: dict[str, list[list[dict[str, Any]]]] = {}
+    for layout in layouts:
+        if not layout.draft:
+            stored.setdefault(layout.digest, []).append([_record(p) for p in layout.placements])
+    path.write_text(json.dumps({"format": FORMAT, "layouts": stored}, indent=1) + "\n", encoding="utf-8")
+
+
+def restore(
+    stored: Stored, digest: str, pieces: Sequence[Piece], material: Material
+) -> tuple[Layout, ...] | None:
+    """The layouts stored under a digest, still to be checked; None where there are none that can be read."""
+    by_name = {piece.name: piece for piece in pieces}
+    try:
+        return tuple(
+            Layout(material, tuple(_placement(record, by_name) for record in sheet), number, False, digest)
+            for number, sheet in enumerate(stored[digest], start=1)
+        )
+    except (KeyError, TypeError, ValueError):  # a file that somebody edited
+        return None
+
+
+def _record(placement: Placement) -> dict[str, Any]:
+    return {
+        "patch": placement.piece.name,
+        "copy": placement.copy,
+        "mirrored": placement.mirrored,
+        "rotation_deg": placement.rotation_deg,
+        "x_mm": placement.x_mm,
+        "y_mm": placement.y_mm,
+    }
+
+
+def _placement(record: Mapping[str, Any], by_name: Mapping[str, Piece]) -> Placement:
+    numbers = [float(record[key]) for key in ("rotation_deg", "x_mm", "y_mm")]
+    return Placement(by_name[record["patch"]], int(record["copy"]), bool(record["mirrored"]), *numbers)
