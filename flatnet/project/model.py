@@ -1,4 +1,4 @@
-"""The project as data: what a project file says, checked and in mm, with the place of everything in the file."""
+"""The project as data: what a project file says, checked and in mm, with the place of everything in it."""
 
 from __future__ import annotations
 
@@ -46,7 +46,10 @@ class ProjectError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class FormSurface:
-    """A parametric form of ours; lengths among `measurements` in mm."""
+    """A parametric form of ours; lengths among `measurements` in mm.
+
+    Which measurements a form has and what they may be, the form checks.
+    """
 
     form: str
     measurements: Mapping[str, float | str]
@@ -78,8 +81,9 @@ class NormalList:
 
     Attributes
     ----------
-    per : `point` (values[i] at the i-th of from, points, to), `segment` (between those), or `curve` (one value).
-    values : (k, 3) float.
+    per : `point` (values[i] at the i-th of from, points, to), `segment` (between those), or `curve` (one
+        value). The last segment of a closed curve without node joins the last point to the first.
+    values : (k, 3) float, unit; not yet made orthogonal to the curve.
     """
 
     per: Literal["point", "segment", "curve"]
@@ -92,7 +96,7 @@ class NormalSpec:
 
     Attributes
     ----------
-    source : `surface`, `given`, or `none` (neither a surface nor a list: only legal where no patch uses them).
+    source : `surface`, `given`, or `none` (neither a surface nor a list: no patch uses the curve).
     left, right : the lists where given; the same object off creases.
     """
 
@@ -112,7 +116,7 @@ class CurveSpec:
 
     Attributes
     ----------
-    start, end : node names; None for a closed curve without node. A closed curve with a node has start == end.
+    start, end : node names; None for a closed curve without node, equal for a closed curve with one.
     points : between start and end: a node's name or (3,) mm.
     closed : the last point is joined to the first.
     edge_length : target length of its edges, mm.

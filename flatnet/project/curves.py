@@ -1,0 +1,311 @@
+"""The sections `nodes` and `curves` of a project file -> node and curve specs, in mm."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Literal, cast
+
+import numpy as np
+import yaml
+
+from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec
+from flatnet.project.section import Section
+from flatnet.project.values import (
+    direction,
+    flag,
+    frozen,
+    is_number,
+    length_in,
+    nearest,
+    one_of,
+    point_in,
+    scalar,
+    wrong,
+)
+from flatnet.project.yaml_nodes import mark_of
+
+_NODE_KEYS = ("at", "on")
+_CURVE_KEYS = ("from", "to", "points", "closed", "kind", "on", "slit", "edge_length", "normals")
+#: Points nearer than this, in edge lengths, are the same place.
+_SAME_PLACE = 1e-6
+#: A curve that would be divided into more edges than this has its edge_length in a wrong unit.
+_MOST_EDGES = 20_000
+#: Stands for a point that could not be read; it is nowhere, so that no other check complains about it.
+_NOWHERE = frozen(np.full(3, np.nan))
+
+
+@dataclass(frozen=True, eq=False)
+class CurveSetting:
+    """What the rest of the file means for its curves: its unit, surface, edge length (mm) and nodes."""
+
+    mm_per_unit: float
+    has_surface: bool
+    edge_length: float
+    nodes: Mapping[str, NodeSpec]
+
+
+@dataclass(frozen=True, eq=False)
+class _Place:
+    """One of a curve's from, points, to; `projected` onto the surface later on."""
+
+    label: str
+    node: str | None
+    position: Floats
+    projected: bool
+    yaml_node: yaml.Node
+
+
+def read_nodes(sections: Section, mm_per_unit: float, has_surface: bool) -> dict[str, NodeSpec]:
+    point = point_in(mm_per_unit)
+    nodes: dict[str, NodeSpec] = {}
+    first: dict[tuple[Any, ...], str] = {}
+    for key, mark, node in sections.named():
+        on_surface = False
+        if isinstance(node, yaml.MappingNode):
+            section = Section(node, f"node {key!r}", mark, _NODE_KEYS, sections.problems)
+            position = section.require("at", point, _NOWHERE)
+            on_surface = _on_surface(section, has_surface)
+        else:
+            position = sections.read(repr(key), node, point, _NOWHERE)
+        nodes[key] = NodeSpec(key, position, on_surface, mark)
+        other = first.setdefault((on_surface, *position.tolist()), key)
+        if other != key and np.isfinite(position).all():
+            message = f"{key!r} is at the same place as {other!r}; keep one, and their curves meet"
+            sections.problem(mark, message)
+    return nodes
+
+
+def _on_surface(section: Section, has_surface: bool) -> bool:
+    on_surface = section.get("on", one_of("surface"), "") == "surface"
+    if on_surface and not has_surface:
+        section.problem(
+            section.values["on"],
+            "on: surface, but the file has no surface; add `surface: ...` at its top, or leave `on` out",
+        )
+    return on_surface
+
+
+def read_curves(sections: Section, setting: CurveSetting) -> dict[str, CurveSpec]:
+    curves = {}
+    for key, mark, node in sections.named():
+        section = Section(node, f"curve {key!r}", mark, _CURVE_KEYS, sections.problems)
+        curves[key] = _curve(key, section, setting)
+    return curves
+
+
+def _curve(key: str, section: Section, setting: CurveSetting) -> CurveSpec:
+    kind = section.get("kind", one_of("polyline", "spline"), "polyline")
+    on_surface = _on_surface(section, setting.has_surface)
+    edge_length = section.get(
+        "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
+    )
+    places = _places(section, setting, on_surface)
+    closed = _is_closed(section, places)
+    slit = section.get("slit", flag, False)
+    if slit and closed:
+        section.problem(section.values["slit"], "a closed curve can't be a slit: it has no tip")
+    positions = np.array([place.position for place in places]).reshape(-1, 3)
+    joined = closed and "from" not in section.values  # the last point to the first
+    path = np.concatenate([positions, positions[:1]]) if joined else positions
+    _check_places(section, places, path, closed, edge_length)
+    readable = len(places) > 0 and all(place.label != "points" for place in places)
+    ends = ("from" in section.values) + ("to" in section.values)
+    count = _Count(len(places), len(path) - 1, joined) if readable and ends != 1 else None
+    normals = _normals(section, setting.has_surface, count)
+    return CurveSpec(
+        name=key,
+        start=places[0].node if places and places[0].label == "from" else None,
+        end=places[-1].node if places and places[-1].label == "to" else None,
+        points=tuple(
+            place.position if place.node is None else place.node
+            for place in places
+            if place.label not in ("from", "to")
+        ),
+        closed=closed,
+        kind=cast(Literal["polyline", "spline"], kind),
+        on_surface=on_surface,
+        slit=slit,
+        edge_length=edge_length,
+        normals=normals,
+        mark=section.mark,
+    )
+
+
+def _places(section: Section, setting: CurveSetting, on_surface: bool) -> list[_Place]:
+    """from, points and to of a curve, as far as they are there."""
+    point = point_in(setting.mm_per_unit)
+
+    def place(label: str, node: yaml.Node) -> _Place:
+        if isinstance(node, yaml.SequenceNode) and label not in ("from", "to"):
+            return _Place(label, None, section.read(label, node, point, _NOWHERE), on_surface, node)
+        text = section.read(label, node, scalar("the name of a node"), "")
+        spec = setting.nodes.get(text)
+        if text and spec is None:
+            hint = "a point is a list [x, y, z]" if is_number(node) else nearest(text, setting.nodes, "nodes")
+            section.problem(node, f"{label}: there is no node {text!r}; {hint}")
+        position, projected = (spec.position, spec.on_surface) if spec else (_NOWHERE, False)
+        return _Place(label, text, position, on_surface or projected, node)
+
+    places = [place("from", section.values["from"])] if "from" in section.values else []
+    if "points" in section.values:
+        node = section.values["points"]
+        items = section.items("points", node, "a list of points and nodes")
+        places += [place(label.replace("points, item", "point"), item) for label, item in items]
+        if not isinstance(node, yaml.SequenceNode):
+            places.append(_Place("points", None, _NOWHERE, on_surface, node))
+    return places + ([place("to", section.values["to"])] if "to" in section.values else [])
+
+
+def _is_closed(section: Section, places: list[_Place]) -> bool:
+    ends = [key for key in ("from", "to") if key in section.values]
+    if len(ends) == 1:
+        missing = "to" if ends == ["from"] else "from"
+        section.problem(
+            section.keys[ends[0]],
+            f"'{ends[0]}' without '{missing}'; give both, or neither for a closed curve without a node",
+        )
+    closed = not ends or (len(ends) == 2 and places[0].node == places[-1].node)
+    said = section.get("closed", flag, closed)
+    if said and len(ends) == 2 and not closed:
+        message = "closed: true, but 'from' and 'to' are two nodes; name one twice"
+        section.problem(section.values["closed"], message)
+    if not said and closed:
+        why = "ends where it starts" if ends else "has no ends; give 'from' and 'to'"
+        section.problem(section.values["closed"], f"closed: false, but the curve {why}")
+    return closed
+
+
+def _check_places(
+    section: Section, places: list[_Place], path: Floats, closed: bool, edge_length: float
+) -> None:
+    """Enough different places, none twice in a row, no node twice, not more edges than can be meant.
+
+    `path` : the positions of `places`, and the first once more where the last is joined to it.
+    """
+    if not section.is_mapping or np.isnan(path).any() or np.isnan(edge_length):
+        return
+    needed = 3 if closed else 2
+    different = len(np.unique(path, axis=0))
+    if different < needed:
+        what = "a closed curve" if closed else "a curve"
+        section.problem(section.mark, f"{what} needs at least {needed} different places, got {different}")
+        return
+    steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
+    for i in np.flatnonzero(steps <= _SAME_PLACE * edge_length):
+        _note_repeat(section, places, int(i))
+    passed: set[str | None] = set()
+    for place in places[:-1] if closed and len(path) == len(places) else places:
+        if place.node is not None and place.node in passed:
+            message = f"{place.label}: the curve passes node {place.node!r} twice; divide it there in two"
+            section.problem(place.yaml_node, message)
+        passed.add(place.node)
+    total = float(steps.sum())
+    if total > _MOST_EDGES * edge_length:
+        section.problem(
+            section.mark,
+            f"would be divided into {total / edge_length:.3g} edges of {edge_length:g} mm, more than "
+            f"{_MOST_EDGES}; are 'units' and 'edge_length' right?",
+        )
+
+
+def _note_repeat(section: Section, places: list[_Place], i: int) -> None:
+    """Place i and the next are the same, unless only one of them will be moved to the surface."""
+    a, b = places[i], places[(i + 1) % len(places)]
+    if a.projected != b.projected:
+        return
+    if i + 1 == len(places):
+        message = f"{a.label} repeats {b.label}: the last point is joined to the first; leave it out"
+        section.problem(a.yaml_node, message)
+        return
+    repeat, other = (a, b) if b.label == "to" and a.label != "from" else (b, a)
+    message = f"{repeat.label} is at the same place as {other.label}; leave one of them out"
+    section.problem(repeat.yaml_node, message)
+
+
+@dataclass(frozen=True)
+class _Count:
+    """How many points and segments a curve has; `joined`: it is closed, without from and to."""
+
+    points: int
+    segments: int
+    joined: bool
+
+    def mismatch(self, given: int) -> str:
+        if self.joined:
+            said = f"the closed curve has {self.segments} segments; give {self.segments}"
+        else:
+            said = (
+                f"that fits neither the {self.points} points (from, points, to) nor the {self.segments} "
+                f"segments between them; give {self.points} or {self.segments}"
+            )
+        return f"{given} given, but {said}, or one direction for the whole curve"
+
+
+def _normals(section: Section, has_surface: bool, count: _Count | None) -> NormalSpec:
+    node = section.values.get("normals")
+    if node is None:
+        return NormalSpec("surface" if has_surface else "none", mark=section.mark)
+    mark = mark_of(node)
+    if isinstance(node, yaml.ScalarNode):
+        if section.read("normals", node, _surface_word, "") and not has_surface:
+            section.problem(node, "normals: surface, but the file has no surface; give a list of normals")
+        return NormalSpec("surface" if has_surface else "none", mark=mark)
+    if isinstance(node, yaml.MappingNode) and not {"per", "values"} & _texts(node):
+        sides = Section(node, f"{section.title}: normals", mark, ("left", "right"), section.problems)
+        for side in ("left", "right"):
+            if side not in sides.values:
+                sides.problem(mark, f"'{side}' is missing; a crease has normals on both sides")
+        left, right = (
+            _normal_list(section, f"normals: {side}", sides.values[side], count)
+            if side in sides.values
+            else None
+            for side in ("left", "right")
+        )
+        return NormalSpec("given", left, right, mark)
+    both = _normal_list(section, "normals", node, count)
+    return NormalSpec("given", both, both, mark)
+
+
+def _texts(node: yaml.MappingNode) -> set[str]:
+    return {key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)}
+
+
+def _surface_word(node: yaml.Node) -> str:
+    if node.value != "surface":
+        raise wrong(node, "'surface', a direction [x, y, z] or a list of directions")
+    return "surface"
+
+
+def _normal_list(
+    section: Section, label: str, node: yaml.Node, count: _Count | None
+) -> NormalList | None:
+    """Normals of one side: a single direction, or one per point or segment, told apart by their number."""
+    per: str | None = None
+    if isinstance(node, yaml.MappingNode):
+        inner = Section(
+            node, f"{section.title}: {label}", section.mark, ("per", "values"), section.problems
+        )
+        per = inner.require("per", one_of("point", "segment"), "")
+        if "values" not in inner.values:
+            inner.problem(node, "'values' is missing")
+            return None
+        node = inner.values["values"]
+    elif isinstance(node, yaml.SequenceNode) and any(isinstance(x, yaml.ScalarNode) for x in node.value):
+        values = section.read(label, node, direction, _NOWHERE)[None]
+        return NormalList("curve", frozen(values))
+    items = section.items(label, node, "a list of directions [x, y, z]")
+    values = frozen(
+        np.array([section.read(each, item, direction, _NOWHERE) for each, item in items]).reshape(-1, 3)
+    )
+    if not isinstance(node, yaml.SequenceNode) or per == "" or count is None:
+        return None
+    wanted = {"segment": count.segments, "point": count.points}
+    per = per or next((each for each in wanted if wanted[each] == len(values)), None)
+    if per is None:
+        section.problem(node, f"{label}: {count.mismatch(len(values))}")
+        return None
+    if wanted[per] != len(values):
+        section.problem(node, f"{label}: expected {wanted[per]} normals, one per {per}, got {len(values)}")
+        return None
+    return NormalList(cast(Literal["point", "segment"], per), values)

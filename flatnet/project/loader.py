@@ -1,0 +1,241 @@
+"""A project file -> `Project`: read, checked against docs/project-file.md, lengths in mm."""
+
+from __future__ import annotations
+
+import os
+from dataclasses import fields
+from pathlib import Path
+from typing import Literal, TypeVar, cast
+
+import numpy as np
+import yaml
+
+from flatnet.parameters import METHODS, FairParameters, MultiLoopParameters, NestingParameters
+from flatnet.project.curves import CurveSetting, read_curves, read_nodes
+from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
+from flatnet.project.model import FormSurface, Material, MeshSurface, Problem, Project, ProjectError
+from flatnet.project.section import Section
+from flatnet.project.values import (
+    Parser,
+    WrongValueError,
+    between,
+    integer,
+    length_in,
+    name,
+    number,
+    one_of,
+    scalar,
+    title,
+    unit,
+    wrong,
+)
+from flatnet.project.yaml_nodes import compose, describe, is_number, mark_of, tree_problems
+
+_FORMAT = 1
+_TOP_KEYS = (
+    "flatnet",
+    "name",
+    "units",
+    "edge_length",
+    "chord_tolerance",
+    "surface",
+    "nodes",
+    "curves",
+    "patches",
+    "openings",
+    "rest",
+    "materials",
+    "fitting",
+    "nesting",
+)
+_MESH_KEYS = ("mesh", "units", "up", "outer")
+_MESH_FILES = (".obj", ".stl", ".ply")
+_MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance")
+#: Stands in where a file names no material.
+_DEFAULT_MATERIAL = Material("default", width=1500.0)
+#: chord_tolerance where the file says none, in edge lengths.
+_CHORD_TOLERANCE = 1.0 / 50.0
+
+Parameters = TypeVar("Parameters", bound=FairParameters | MultiLoopParameters | NestingParameters)
+
+
+def load_project(path: str | Path) -> Project:
+    """Read and check a project file.
+
+    Raises
+    ------
+    ProjectError
+        With every problem of the file that it shows without its geometry.
+    """
+    file = Path(path)
+    root = compose(file)
+    problems = tree_problems(root)
+    top = Section(root, "", mark_of(root), _TOP_KEYS, problems)
+    hint = f"the version of the format; write 'flatnet: {_FORMAT}'"
+    version = top.require("flatnet", integer, _FORMAT, hint)
+    if version != _FORMAT:
+        message = f"flatnet: this program reads version {_FORMAT} of the format, got {version}"
+        raise ProjectError(file, [Problem(mark_of(top.values["flatnet"]), message)])
+    project = _project(file, top)
+    if problems:
+        raise ProjectError(file, problems)
+    return project
+
+
+def _project(file: Path, top: Section) -> Project:
+    mm_per_unit = top.get("units", unit, 1.0)
+    size = length_in(mm_per_unit, positive=True)
+    edge_length = top.require("edge_length", size, np.nan, "the target length of mesh edges")
+    has_surface = "surface" in top.values
+    nodes = read_nodes(top.section("nodes", None), mm_per_unit, has_surface)
+    curve_setting = CurveSetting(mm_per_unit, has_surface, edge_length, nodes)
+    curve_sections = top.section("curves", None)
+    curves = read_curves(curve_sections, curve_setting)
+    if not curves and curve_sections.is_mapping:
+        top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
+    materials = _materials(top.section("materials", None), mm_per_unit)
+    method, methods = _fitting(top)
+    face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), method, methods)
+    patches = read_patches(top.section("patches", None), face_setting)
+    openings = read_openings(top.section("openings", None), curves)
+    rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
+    if rest_is_open and not patches:
+        top.problem(top.keys["rest"], "rest: openings, and no patches: nothing is left to make")
+    top.problems += face_problems(patches, openings, curves)
+    return Project(
+        file=file,
+        name=top.require("name", title, ""),
+        edge_length=edge_length,
+        chord_tolerance=top.get("chord_tolerance", size, edge_length * _CHORD_TOLERANCE),
+        surface=_surface(file, top, mm_per_unit) if has_surface else None,
+        nodes=nodes,
+        curves=curves,
+        patches=patches,
+        openings=openings,
+        rest_is_open=rest_is_open,
+        materials=materials,
+        nesting=_parameters(top.section("nesting", _names(NestingParameters)), NestingParameters),
+    )
+
+
+def _surface(file: Path, top: Section, mm_per_unit: float) -> FormSurface | MeshSurface | None:
+    node, mark = top.values["surface"], mark_of(top.keys["surface"])
+    section = Section(node, "surface", mark, None, top.problems)
+    if "form" in section.values and "mesh" in section.values:
+        section.problem(mark, "'form' and 'mesh' exclude each other; keep one")
+    elif "form" in section.values:
+        return _form(section, mm_per_unit)
+    elif "mesh" in section.values:
+        section = Section(node, "surface", mark, _MESH_KEYS, top.problems)
+        return MeshSurface(
+            path=section.get("mesh", lambda path: _mesh_file(file, path), Path()),
+            mm_per_unit=section.get("units", unit, mm_per_unit),
+            up=cast(Literal["x", "y", "z"], section.get("up", one_of("x", "y", "z"), "z")),
+            outer=cast(
+                Literal["outside", "inside"], section.get("outer", one_of("outside", "inside"), "outside")
+            ),
+            mark=mark,
+        )
+    elif section.is_mapping:
+        section.problem(mark, "needs 'form: <name>' or 'mesh: <file>'")
+    return None
+
+
+def _form(section: Section, mm_per_unit: float) -> FormSurface:
+    length = length_in(mm_per_unit)
+
+    def measurement(node: yaml.Node) -> float | str:
+        if is_number(node):
+            return length(node)
+        text = scalar("a length or a word")(node)
+        if not text.isidentifier():
+            raise wrong(node, "a length or a word")
+        return text
+
+    placeholder: float | str = 0.0
+    return FormSurface(
+        form=section.get("form", name, ""),
+        measurements={
+            key: section.get(key, measurement, placeholder) for key in section.values if key != "form"
+        },
+        mark=section.mark,
+    )
+
+
+def _mesh_file(file: Path, node: yaml.Node) -> Path:
+    path = file.parent / scalar("the path of a mesh file")(node)
+    if path.suffix.lower() not in _MESH_FILES:
+        raise WrongValueError(node, f"expected a mesh file ({', '.join(_MESH_FILES)}), got {describe(node)}")
+    if not os.path.isfile(path):  # unlike Path.is_file it takes any text without raising
+        raise WrongValueError(node, f"there is no file {str(path)!r}; a path is relative to the project file")
+    return path
+
+
+def _materials(sections: Section, mm_per_unit: float) -> dict[str, Material]:
+    positive = length_in(mm_per_unit, positive=True)
+    not_negative = length_in(mm_per_unit, negative=False)
+    materials = {}
+    for key, mark, node in sections.named():
+        section = Section(node, f"material {key!r}", mark, _MATERIAL_KEYS, sections.problems)
+        materials[key] = Material(
+            name=key,
+            width=section.require("width", positive, 1.0, "the width of the roll"),
+            length=section.get("length", positive, None),
+            rotations=_rotations(section),
+            gap=section.get("gap", not_negative, 0.0),
+            allowance=section.get("allowance", not_negative, 0.0),
+        )
+    return materials or {_DEFAULT_MATERIAL.name: _DEFAULT_MATERIAL}
+
+
+def _rotations(section: Section) -> tuple[float, ...] | None:
+    if "rotations" not in section.values:
+        return Material.rotations
+    node = section.values["rotations"]
+    expected = "a list of angles in degrees, or 'free'"
+    if isinstance(node, yaml.ScalarNode):
+        if section.read("rotations", node, scalar(expected), "free") != "free":
+            section.problem(node, f"rotations: {wrong(node, expected).message}")
+        return None
+    items = section.items("rotations", node, expected)
+    if not items and isinstance(node, yaml.SequenceNode):
+        section.problem(node, "rotations: names no angle; 0 keeps pieces as their grain lies")
+    angle = between(number, -360.0, 360.0)
+    return tuple(section.read(label, item, angle, 0.0) for label, item in items)
+
+
+def _fitting(top: Section) -> tuple[str, dict[str, FairParameters | MultiLoopParameters]]:
+    """The file's method, and the parameters of every method: those of the file for its own."""
+    every = {key for cls in METHODS.values() for key in _names(cls)}
+    section = top.section("fitting", {"method", *every})
+    method = section.get("method", one_of(*METHODS), "fair")
+    known = ("method", *_names(METHODS[method]))
+    for key in [key for key in section.values if key not in known]:
+        owner = next(other for other, cls in METHODS.items() if key in _names(cls))
+        message = f"{key!r} belongs to method {owner!r}, but the method is {method!r}"
+        section.problem(section.keys[key], message)
+    methods = {each: cls() for each, cls in METHODS.items()}
+    methods[method] = _parameters(section, METHODS[method])
+    return method, methods
+
+
+def _names(cls: type) -> tuple[str, ...]:
+    return tuple(field.name for field in fields(cls))
+
+
+def _parameters(section: Section, cls: type[Parameters]) -> Parameters:
+    """The dataclass `cls` with the values that the section gives; what it says against them is noted."""
+    given: dict[str, float] = {}
+    for field in fields(cls):
+        if field.name in section.values:
+            parse: Parser[float] = integer if isinstance(field.default, int) else number
+            given[field.name] = section.get(field.name, parse, cast(float, field.default))
+    while True:
+        try:
+            return cls(**given)  # type: ignore[arg-type]
+        except ValueError as error:
+            culprit = str(error).split()[0]
+            section.problem(section.values.get(culprit, section.mark), str(error))
+            if culprit not in given:  # a default that a given value has put out of range
+                return cls()
+            del given[culprit]

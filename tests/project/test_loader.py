@@ -1,0 +1,391 @@
+"""The loader: what a good file becomes, and what is said about a bad one, where."""
+
+from __future__ import annotations
+
+import random
+import re
+from pathlib import Path
+from textwrap import dedent
+
+import numpy as np
+import pytest
+
+from flatnet.parameters import METHODS, FairParameters, MultiLoopParameters, NestingParameters
+from flatnet.project import (
+    FormSurface,
+    Mark,
+    Material,
+    MeshSurface,
+    Problem,
+    Project,
+    ProjectError,
+    load_project,
+)
+
+GOOD = Path(__file__).with_name("good.yaml").read_text(encoding="utf-8")
+DOCS = Path(__file__).parents[2] / "docs" / "project-file.md"
+
+
+def load(folder: Path, text: str | bytes) -> Project:
+    file = folder / "project.yaml"
+    file.write_bytes(text if isinstance(text, bytes) else text.encode("utf-8"))
+    (folder / "tetrahedron.stl").touch()
+    return load_project(file)
+
+
+def problems_of(folder: Path, text: str | bytes) -> list[Problem]:
+    with pytest.raises(ProjectError) as caught:
+        load(folder, text)
+    return caught.value.problems
+
+
+# --- a good file
+
+
+def test_every_key_is_read(tmp_path: Path) -> None:
+    project = load(tmp_path, GOOD)
+    assert (project.name, project.edge_length, project.chord_tolerance) == ("every key", 8.0, 0.1)
+    assert project.rest_is_open
+    assert project.nesting == NestingParameters(seconds=3, seed=7)
+    surface = project.surface
+    assert isinstance(surface, MeshSurface)
+    assert surface.path == tmp_path / "tetrahedron.stl"
+    assert (surface.mm_per_unit, surface.up, surface.outer) == (1000.0, "y", "inside")
+    assert project.materials["denim"] == Material("denim", 1500.0, 5000.0, (0.0, 90.0), 3.0, 10.0)
+    assert project.materials["felt"] == Material("felt", 1000.0, rotations=None)
+
+
+def test_names_are_what_stands_in_the_file(tmp_path: Path) -> None:
+    nodes = load(tmp_path, GOOD).nodes
+    assert list(nodes) == ["on", "no", "007", "d-e.f", "tip"]
+    assert nodes["no"].on_surface and not nodes["on"].on_surface
+
+
+def test_lengths_become_mm_and_1e_1_is_a_number(tmp_path: Path) -> None:
+    project = load(tmp_path, GOOD)
+    assert project.nodes["007"].position.tolist() == [100.0, 100.0, 1.0]
+    np.testing.assert_array_equal(project.curves["hem"].points, [[30, -10, 0], [60, -10, 0]])
+    assert (project.curves["side"].edge_length, project.patches["front"].edge_length) == (4.0, 6.0)
+
+
+def test_curves(tmp_path: Path) -> None:
+    curves = load(tmp_path, GOOD).curves
+    assert (curves["side"].kind, curves["side"].on_surface, curves["side"].normals.source) == (
+        "spline", True, "surface",
+    )
+    top = curves["top"]
+    assert (top.start, top.points[1], top.end, top.closed) == ("007", "d-e.f", "on", False)
+    assert curves["dart"].slit
+    assert (curves["hole"].closed, curves["hole"].start) == (True, None)
+    assert (curves["ring"].closed, curves["ring"].start, curves["ring"].end) == (True, "tip", "tip")
+    assert curves["hem"].mark == Mark(14, 3)
+
+
+def test_normals_are_unit_and_counted(tmp_path: Path) -> None:
+    curves = load(tmp_path, GOOD).curves
+    hem, top, dart, hole = (curves[name].normals for name in ("hem", "top", "dart", "hole"))
+    assert hem.left is not None and top.left is not None and top.right is not None
+    assert hem.left.per == "segment" and not hem.crease
+    np.testing.assert_allclose(hem.left.values, [[0, 0, 1], [0, 0, 1], [0, 0.5**0.5, 0.5**0.5]], rtol=1e-15)
+    assert (top.left.per, top.right.per, top.crease) == ("point", "curve", True)
+    assert dart.left is not None and dart.left.per == "point"
+    assert hole.left is not None and hole.left.per == "segment"
+
+
+def test_patches(tmp_path: Path) -> None:
+    project = load(tmp_path, GOOD)
+    front, disk = project.patches["front"], project.patches["disk"]
+    around = [[str(entry) for entry in loop] for loop in front.loops]
+    assert around == [["hem", "side", "top:007..d-e.f", "top:d-e.f..on"], ["-hole"]]
+    assert (front.material, front.cut, front.mirrored) == ("denim", 2, 1)
+    assert front.grain is not None and disk.grain is None
+    np.testing.assert_allclose(front.grain, [0, 0.6, 0.8], rtol=1e-15)
+    assert front.min_angles == {"no": np.radians(95.0)}
+    assert front.method == MultiLoopParameters()
+    assert disk.method == FairParameters(normal_weight=2.0, ramp_steps=20)
+
+
+def test_arrays_are_read_only(tmp_path: Path) -> None:
+    with pytest.raises(ValueError, match="read-only"):
+        load(tmp_path, GOOD).nodes["on"].position[0] = 1.0
+
+
+SMALL = """\
+flatnet: 1
+name: small
+edge_length: 1
+nodes: {a: [0, 0, 0], b: [9, 0, 0], c: [9, 9, 0]}
+curves:
+  ab: {from: a, to: b, normals: [0, 0, 1]}
+  bc: {from: b, to: c, normals: [0, 0, 1]}
+  ca: {from: c, to: a, normals: [0, 0, 1]}
+patches:
+  p: {around: [ab, bc, ca]}
+"""
+
+
+def test_defaults(tmp_path: Path) -> None:
+    project = load(tmp_path, SMALL)
+    assert (project.edge_length, project.chord_tolerance, project.surface) == (1.0, 0.02, None)
+    assert list(project.materials) == [project.patches["p"].material] == ["default"]
+    grain = project.patches["p"].grain
+    assert grain is not None and grain.tolist() == [0, 0, 1]
+    assert project.patches["p"].method == FairParameters()
+
+
+UNITS = {"mm": 1, "cm": 10, "dm": 100, "m": 1000, "in": 25.4, "0.5": 0.5}
+
+
+@pytest.mark.parametrize("unit", UNITS)
+def test_units(tmp_path: Path, unit: str) -> None:
+    project = load(tmp_path, f"units: {unit}\n{SMALL}")
+    assert project.nodes["b"].position[0] == 9 * UNITS[unit]
+
+
+def test_form_measurements_are_lengths_or_words(tmp_path: Path) -> None:
+    text = f"units: cm\nsurface: {{form: mannequin, waist: 72, half: left}}\n{SMALL}"
+    surface = load(tmp_path, text).surface
+    assert isinstance(surface, FormSurface)
+    assert (surface.form, surface.measurements) == ("mannequin", {"waist": 720.0, "half": "left"})
+
+
+def test_a_curve_that_no_patch_uses_needs_no_normals(tmp_path: Path) -> None:
+    text = SMALL.replace("patches:", "  da: {from: a, to: c, points: [[0, 9, 0]]}\npatches:")
+    assert load(tmp_path, text).curves["da"].normals.source == "none"
+
+
+def test_merged_keys_give_what_the_curve_does_not_say(tmp_path: Path) -> None:
+    text = SMALL.replace("ab: {", "ab: &line {").replace("bc: {from: b, to: c, normals: [0, 0, 1]}",
+                                                         "bc: {<<: *line, from: b, to: c}")
+    curve = load(tmp_path, text).curves["bc"]
+    assert (curve.start, curve.end, curve.normals.source) == ("b", "c", "given")
+
+
+def test_closed_curve_through_nodes_has_stretches_around_it(tmp_path: Path) -> None:
+    text = SMALL.replace(
+        "patches:",
+        "  ring: {points: [a, [0, -5, 0], b, [9, -5, 0]], normals: [0, 0, 1]}\npatches:\n"
+        "  q: {around: [ring:b..a, ring:a..b]}\n  r: {around: [-ring:b..b]}",
+    )
+    assert load(tmp_path, text).patches["q"].loops[0][0].stretch == ("b", "a")
+
+
+# --- bad files
+
+#: (what stands in SMALL, what is put there, line, column, what must be said)
+BAD = [
+    ("flatnet: 1", "flatnet: 2", 1, 10, "reads version 1 of the format, got 2"),
+    ("flatnet: 1\n", "", 1, 1, "'flatnet' is missing"),
+    ("name: small", "name: ''", 2, 7, "name: expected a line of text"),
+    ("name: small", "nmae: small", 2, 1, "unknown key 'nmae'; did you mean 'name'?"),
+    ("edge_length: 1", "edge_length: -8", 3, 14, "must be greater than 0, got -8"),
+    ("edge_length: 1", "edge_length: .nan", 3, 14, "expected a finite number, got '.nan'"),
+    ("edge_length: 1", "edge_length: -.inf", 3, 14, "expected a finite number"),
+    ("edge_length: 1", "edge_length: 1e999", 3, 14, "expected a finite number"),
+    ("edge_length: 1", "edge_length: 1e10", 3, 14, "is 1e+10 mm; is the unit right?"),
+    ("edge_length: 1", "edge_length: 12:30", 3, 14, "expected a number, got '12:30'"),
+    ("edge_length: 1", "edge_length: '8'", 3, 14, "expected a number, got the text '8' in quotes"),
+    ("edge_length: 1", "edge_length: yes", 3, 14, "expected a number, got 'yes'"),
+    ("edge_length: 1", "edge_length:", 3, 13, "expected a number, got nothing"),
+    ("edge_length: 1", "edge_length: [1]", 3, 14, "expected a number, got a list of 1"),
+    ("edge_length: 1", "edge_length: 1\nunits: ft", 4, 8, "expected mm, cm, dm, m, in or a number"),
+    ("edge_length: 1", "edge_length: 1\nrest: open", 4, 7, "expected 'openings', got 'open'"),
+    ("edge_length: 1", "edge_length: 1\nedge_length: 2", 4, 1, "stands twice, first in line 3"),
+    ("edge_length: 1", "edge_length: 1\n? [a]\n: 1", 4, 3, "a key must be a word, got a list of 1"),
+    ("edge_length: 1", "edge_length: 1\n<<: 3", 4, 5, "'<<' takes an alias"),
+    ("edge_length: 1", "edge_length: !!python/name:os.system 1", 3, 14, "means nothing here; leave it out"),
+    ("edge_length: 1", "edge_length: 1\nsurface: {mesh: no.stl}", 4, 17, "there is no file"),
+    ("edge_length: 1", "edge_length: 1\nsurface: {mesh: a.txt}", 4, 17, "expected a mesh file (.obj"),
+    ("edge_length: 1", "edge_length: 1\nsurface: {up: z}", 4, 1, "needs 'form: <name>' or 'mesh: <file>'"),
+    ("edge_length: 1", "edge_length: 1\nsurface: {form: f, waist: 9mm}", 4, 27, "a length or a word"),
+    ("a: [0, 0, 0]", "a: [0, 0]", 4, 12, "nodes: 'a': expected three numbers [x, y, z], got a list of 2"),
+    ("a: [0, 0, 0]", "a: [0, 0, x]", 4, 19, "expected a number, got 'x'"),
+    ("a: [0, 0, 0]", "a: {on: surface, at: [0, 0, 0]}", 4, 17, "the file has no surface"),
+    ("a: [0, 0, 0]", "a: {an: [0, 0, 0]}", 4, 9, "node 'a': 'at' is missing"),
+    ("a: [0, 0, 0]", "a: [0, 0, 0], a: [1, 1, 1]", 4, 23, "the key 'a' stands twice"),
+    ("a: [0, 0, 0]", "a: [0, 0, 0], d: [0, 0, 0]", 4, 23, "'d' is at the same place as 'a'"),
+    ("a: [0, 0, 0]", "a: [0, 0, 0], -d: [0, 0, 1]", 4, 23, "'-d' is no name"),
+    ("a: [0, 0, 0]", "a: [0, 0, 0], d..e: [0, 0, 1]", 4, 23, "'d..e' is no name"),
+    ("a: [0, 0, 0]", "a: [0, 0, 0], d:e: [0, 0, 1]", 4, 23, "'d:e' is no name"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, pionts: []", 6, 24, "did you mean 'points'?"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: d", 6, 21, "curve 'ab': to: there is no node 'd'"),
+    ("ab: {from: a, to: b", "ab: {from: a", 6, 8, "'from' without 'to'"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: a", 6, 3, "needs at least 3 different places, got 1"),
+    ("ab: {from: a, to: b", "ab: {closed: true, from: a, to: b", 6, 16, "closed: true, but"),
+    ("ab: {from: a, to: b", "ab: {closed: maybe, from: a, to: b", 6, 16, "true or false, got 'maybe'"),
+    ("ab: {from: a, to: b", "ab: {slit: yes, points: [[0,0,0],[1,0,0],[0,1,0]]", 6, 14, "has no tip"),
+    ("ab: {from: a, to: b", "ab: {points: [[0,0,0],[1,0,0],[0,1,0],[0,0,0]]", 6, 41, "4 repeats point 1"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [[0,0,0]]", 6, 33, "same place as from"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [[1,0,0],[1,0,0]]", 6, 41, "place as point 1"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [c, [1,1,0], c]", 6, 45, "passes node 'c' twice"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [1, 2, 3]", 6, 33, "a point is a list [x, y, z]"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: c", 6, 32, "a list of points and nodes, got"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, edge_length: 1e-6", 6, 3, "are 'units' and 'edge_length'"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, on: surface", 6, 28, "the file has no surface"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, kind: splin", 6, 30, "did you mean 'spline'?"),
+    ("a, to: b, normals: [0, 0, 1]", "a, to: b", 6, 3, "has no normals, but patch 'p' needs them"),
+    ("b, normals: [0, 0, 1]", "b, normals: surface", 6, 33, "normals: surface, but the file has no surface"),
+    ("b, normals: [0, 0, 1]", "b, normals: [0, 0, 0]", 6, 33, "a direction must not be [0, 0, 0]"),
+    ("b, normals: [0, 0, 1]", "b, normals: up", 6, 33, "expected 'surface', a direction"),
+    ("b, normals: [0, 0, 1]", "b, normals: {left: [0, 0, 1]}", 6, 33, "'right' is missing"),
+    ("b, normals: [0, 0, 1]", "b, normals: [[0,0,1],[0,0,1],[0,0,1]]", 6, 33, "3 given, but that fits"),
+    ("b, normals: [0, 0, 1]", "b, normals: {per: point, values: [[0,0,1]]}", 6, 54, "expected 2 normals"),
+    ("b, normals: [0, 0, 1]", "b, normals: {per: point}", 6, 33, "'values' is missing"),
+    ("ab: {from: a, to: b, normals: [0, 0, 1]}", "ab: [a, b]", 6, 7, "keys with values, got a list of 2"),
+    ("[ab, bc, ca]", "[ab, bc, xa]", 10, 24, "patch 'p': around, item 3: there is no curve 'xa'"),
+    ("[ab, bc, ca]", "[ab, bc, ca, ab]", 10, 28, "'ab' stands there twice; its other side is '-ab'"),
+    ("[ab, bc, ca]", "[ab, bc, ca]}\n  q: {around: [ab]", 11, 16, "already bounds patch 'p' on this side"),
+    ("[ab, bc, ca]", "[ab, bc, ca:a..c]", 10, 24, "runs from 'c' to 'a'; write ca:c..a, backwards -ca:c..a"),
+    ("[ab, bc, ca]", "[ab, bc, ca:a..b]", 10, 24, "its stretches: ca:c..a"),
+    ("[ab, bc, ca]", "[ab, bc, +ca]", 10, 24, "expected a curve: hem, -hem, or a stretch"),
+    ("[ab, bc, ca]", "[ab, [bc, ca]]", 10, 16, "got both"),
+    ("[ab, bc, ca]", "[]", 10, 15, "names no curve"),
+    ("{around: [ab, bc, ca]}", "{cut: 1}", 10, 3, "'around' is missing"),
+    ("ca]}", "ca], material: felt}", 10, 39, "there is no material 'felt'"),
+    ("ca]}", "ca], cut: 1.5}", 10, 34, "expected a whole number, got 1.5"),
+    ("ca]}", "ca], cut: -1}", 10, 34, "must be in [0, 1000], got -1"),
+    ("ca]}", "ca], cut: 0}", 10, 34, "nothing is cut"),
+    ("ca]}", "ca], grain: down}", 10, 36, "expected 'up', 'none' or a direction"),
+    ("ca]}", "ca], min_angle: {d: 90}}", 10, 41, "node 'd' is not on the boundary of the patch"),
+    ("ca]}", "ca], min_angle: {a: 360}}", 10, 44, "must be between 0 and 360 degrees, got 360"),
+    ("ca]}", "ca], method: fast}", 10, 37, "expected 'fair' or 'multi_loop', got 'fast'"),
+    ("ca]}", "ca]}\nmaterials: {m: {gap: 1}}", 11, 13, "material 'm': 'width' is missing"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 9, gap: -1}}", 11, 32, "must not be less than 0, got -1"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: []}}", 11, 38, "names no angle"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: all}}", 11, 38, "or 'free', got 'all'"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 1}, n: {width: 1}}", 10, 3, "say which of m, n"),
+    ("ca]}", "ca]}\nfitting: {ramp_steps: 0}", 11, 23, "ramp_steps must be in [1, 1000], got 0"),
+    ("ca]}", "ca]}\nfitting: {ramp_start: 200}", 11, 1, "ramp_end must be in [200,"),
+    ("ca]}", "ca]}\nfitting: {w1: 3}", 11, 11, "'w1' belongs to method 'multi_loop'"),
+    ("ca]}", "ca]}\nnesting: {sed: 3}", 11, 11, "did you mean 'seed'?"),
+    ("ca]}", "ca]}\nnesting: {seconds: 1.5}", 11, 20, "expected a whole number"),
+    ("curves:", "curves: {}\ncurvs:", 5, 1, "there are no curves"),
+    ("patches:", "rest: openings\npatchs:", 9, 1, "nothing is left to make"),
+    ("ca]}", "ca]", 11, 1, "not valid YAML: while parsing a flow mapping"),
+    ("  ab:", "\tab:", 6, 1, "not valid YAML"),
+    ("small", "*small", 2, 7, "undefined alias"),
+    ("small", "sm\x00all", 2, 9, "U+0000 is not allowed"),
+]
+
+
+@pytest.mark.parametrize("old, new, line, column, phrase", BAD)
+def test_bad_file(tmp_path: Path, old: str, new: str, line: int, column: int, phrase: str) -> None:
+    assert SMALL.count(old) >= 1
+    found = problems_of(tmp_path, SMALL.replace(old, new, 1))
+    said = [(problem.mark, problem.message) for problem in found]
+    assert any(mark == Mark(line, column) and phrase in message for mark, message in said), said
+
+
+@pytest.mark.parametrize(
+    "text, phrase",
+    [
+        ("", "the file is empty"),
+        ("# nothing\n", "the file is empty"),
+        ("[" * 5000, "nested too deep"),
+        ('a: "\\UFFFFFFFF"', "not valid YAML"),
+        (f"%YAML {'9' * 5000}.1\n---\na: 1", "not valid YAML"),
+    ],
+)
+def test_unreadable_text(tmp_path: Path, text: str, phrase: str) -> None:
+    (problem,) = problems_of(tmp_path, text)
+    assert phrase in problem.message and problem.mark is None
+
+
+def test_bytes_that_are_no_utf8(tmp_path: Path) -> None:
+    (problem,) = problems_of(tmp_path, "flatnet: 1\nname: Hösen".encode("latin-1"))
+    assert problem.mark == Mark(2, 8) and "0xf6 is no UTF-8" in problem.message
+
+
+def test_a_byte_order_mark_is_no_problem(tmp_path: Path) -> None:
+    assert load(tmp_path, "\ufeff" + SMALL).name == "small"
+    (problem,) = problems_of(tmp_path, "\ufeff" + SMALL.replace("flatnet: 1", "flatnet: 2"))
+    assert problem.mark == Mark(1, 10)
+
+
+def test_no_such_file_and_a_folder(tmp_path: Path) -> None:
+    with pytest.raises(ProjectError, match=r"none\.yaml: there is no such file"):
+        load_project(tmp_path / "none.yaml")
+    with pytest.raises(ProjectError, match="cannot be read"):
+        load_project(tmp_path)
+
+
+def test_all_problems_come_together_in_file_order(tmp_path: Path) -> None:
+    text = SMALL.replace("name: small", "name: ''").replace("to: c", "to: z").replace("bc,", "bd,")
+    with pytest.raises(ProjectError) as caught:
+        load(tmp_path, text)
+    places = re.findall(r"^.*project\.yaml:(\d+:\d+): ", str(caught.value), flags=re.MULTILINE)
+    assert places == ["2:7", "7:21", "10:20"]
+
+
+def test_a_problem_is_said_once(tmp_path: Path) -> None:
+    """A node that can't be read is no reason to complain about the curves that use it."""
+    (problem,) = problems_of(tmp_path, SMALL.replace("a: [0, 0, 0]", "a: [0, 0, x]"))
+    assert problem.mark == Mark(4, 19)
+
+
+def test_every_parameter_out_of_range_is_said(tmp_path: Path) -> None:
+    found = problems_of(tmp_path, f"{SMALL}fitting: {{normal_weight: -1, max_steps: 0}}\n")
+    assert [problem.mark for problem in found] == [Mark(11, 26), Mark(11, 41)]
+
+
+def test_recursive_aliases_end(tmp_path: Path) -> None:
+    text = SMALL.replace("[ab, bc, ca]", "&loop [*loop, *loop]")
+    assert problems_of(tmp_path, text)
+    text = SMALL.replace("ab: {from: a, to: b,", "ab: &ab {<<: *ab, from: a, to: b,")
+    assert load(tmp_path, text).curves["ab"].end == "b"
+
+
+# --- mutations and docs
+
+
+VALUES = ["~", "no", "[]", "{}", "0", "-1", ".nan", "1e999", "'x'", "12:30", "[0, 0, 0]", "[[0, 0, 1]]"]
+SIGNS = [*"-:*&|%@#?!\"'\t\n\\\u2028é", "*top", "&top", "<<: *top", "!!map", "[[", "--- "]
+
+
+def _damaged(text: str, seed: int, count: int) -> list[str]:
+    """Seeded damage: words swapped or replaced by other values; in every other copy any characters too."""
+    chance = random.Random(seed)
+    copies = []
+    for number in range(count):
+        tokens = re.findall(r"[\w.]+|[^\w.]+" if number % 2 else r"\w+|\s+|[^\w\s]", text)
+        words = [i for i, token in enumerate(tokens) if number % 2 == 0 or re.match(r"[\w.]", token)]
+        for _ in range(chance.randint(1, 4)):
+            i, j = chance.choice(words), chance.choice(words)
+            if chance.random() < 0.5:
+                tokens[i], tokens[j] = tokens[j], tokens[i]
+            else:
+                tokens[i] = chance.choice(VALUES if number % 2 else SIGNS)
+        copies.append("".join(tokens))
+    return copies
+
+
+def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
+    said = []
+    for text in _damaged(GOOD, seed=1, count=200):
+        try:
+            load(tmp_path, text)
+        except ProjectError as error:
+            assert error.problems
+            said.append(str(error))
+    assert sum("not valid YAML" not in message for message in said) > 70  # most damaged values are found
+
+
+def test_the_docs_name_every_key_and_parameter() -> None:
+    from flatnet.project import curves, faces, loader
+
+    text = DOCS.read_text(encoding="utf-8")
+    keys = {
+        *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
+        *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS,
+    }
+    assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
+    for parameters in (*METHODS.values(), NestingParameters):
+        for name, value in vars(parameters()).items():
+            assert re.search(rf"\b{name}\b", text) and str(value) in text, name
+
+
+def test_the_file_in_the_docs_has_only_known_keys(tmp_path: Path) -> None:
+    """Its dots and names lead nowhere, but every key of it is one."""
+    text = DOCS.read_text(encoding="utf-8").split("```yaml\n")[1].split("```")[0].replace("...", "1")
+    messages = [problem.message for problem in problems_of(tmp_path, dedent(text))]
+    assert not [message for message in messages if "key" in message or "YAML" in message]
