@@ -13,10 +13,17 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from flatnet.fitting.fair_energy import TIKHONOV, Term, fair_terms, ghost_vertices, smoothness_matrix
+from flatnet.fitting.fair_energy import (
+    TIKHONOV,
+    Term,
+    bump,
+    fair_terms,
+    ghost_vertices,
+    smoothness_matrix,
+)
 from flatnet.fitting.results import FlattenableMesh, PlanarMesh, WarpedMesh
 from flatnet.geometry.angle_sums import AngleSums
-from flatnet.geometry.triangles import edge_lengths, edges_of
+from flatnet.geometry.triangles import edge_lengths, edges_of, hinge_angles, hinges_of, vertex_normals
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import FairParameters
 from flatnet.solvers.band import BandLayout, BandMatrix, block_values
@@ -24,6 +31,10 @@ from flatnet.solvers.constrained_descent import solve
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+
+#: Height of the bump that takes M^0 off a symmetric state, in mean edges.
+BUMP = 0.1
 
 
 class FlattenableProblem:
@@ -106,7 +117,7 @@ def fit_fair(
     centre = boundary.vertices.mean(axis=0)
     problem = FlattenableProblem(planar.positions / scale, planar.triangles, planar.boundary_count, parameters)
     ghosts = ghost_vertices(boundary.vertices, boundary.normals)
-    start = (np.concatenate([warped.vertices, ghosts]) - centre) / scale
+    start = (np.concatenate([_off_symmetry(warped, planar, scale), ghosts]) - centre) / scale
     ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
     result = solve(
         problem, start.ravel(), ramp=ramp, tolerance=parameters.tolerance, max_steps=parameters.max_steps
@@ -122,3 +133,18 @@ def fit_fair(
         status=result.status,
         steps=result.steps,
     )
+
+
+def _off_symmetry(warped: WarpedMesh, planar: PlanarMesh, scale: float) -> Floats:
+    """M^0 with a low bump towards its convex side.
+
+    A symmetric boundary has two flat solutions, one a mirror image of the other, and a symmetric M^0 lies
+    on the ridge between them, where every step keeps the symmetry and none gets to c = 0 (a saddle between
+    four arcs does this).
+    """
+    hinges = hinges_of(warped.triangles)
+    lengths = edge_lengths(warped.vertices, hinges[:, :2])
+    convex = np.copysign(1.0, np.sum(lengths * hinge_angles(warped.vertices, hinges)))
+    normals = vertex_normals(warped.vertices, warped.triangles)
+    height = bump(planar.positions, planar.triangles, planar.boundary_count)
+    return warped.vertices + (convex * BUMP * scale) * height[:, None] * normals

@@ -13,6 +13,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse.linalg import spsolve
 
 from flatnet.geometry.derivatives import area_gradients, edge_length_gradients, hinge_angle_gradients
 from flatnet.geometry.triangles import (
@@ -23,6 +24,7 @@ from flatnet.geometry.triangles import (
     hinge_angles,
     hinges_of,
     signed_areas,
+    vertex_sums,
 )
 from flatnet.parameters import FairParameters
 
@@ -113,9 +115,8 @@ def area_term(triangles: Ints, rest: Floats, weight: float) -> Term:
     return _symmetric_ratio_term(triangles, areas, area_gradients, rest, weight * ones, AREA_METRIC * ones)
 
 
-def smoothness_matrix(planar: Floats, triangles: Ints, free: NDArray[np.bool_]) -> csr_matrix:
-    """Q = L^T M^-1 L over the rows of the free vertices: cotangent L, lumped areas M, both of M^p."""
-    count = len(free)
+def cotangent_laplacian(planar: Floats, triangles: Ints, count: int) -> csr_matrix:
+    """Stiffness of linear elements on M^p, (count, count), symmetric, positive semi-definite."""
     cotangents = 1.0 / np.tan(corner_angles(planar, triangles))
     rows, columns, values = [], [], []
     for corner in range(3):
@@ -124,14 +125,32 @@ def smoothness_matrix(planar: Floats, triangles: Ints, free: NDArray[np.bool_]) 
         rows += [a, b, a, b]
         columns += [b, a, a, b]
         values += [-half, -half, half, half]
-    laplacian = coo_matrix(
+    return coo_matrix(
         (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
     ).tocsr()
+
+
+def lumped_areas(planar: Floats, triangles: Ints, count: int) -> Floats:
+    """A third of the area of the triangles at every vertex of M^p, (count,)."""
     thirds = np.abs(signed_areas(planar, triangles)) / 3.0
-    areas = np.bincount(triangles.ravel(), weights=np.repeat(thirds, 3), minlength=count)
+    return vertex_sums(triangles, np.repeat(thirds, 3), count)
+
+
+def smoothness_matrix(planar: Floats, triangles: Ints, free: NDArray[np.bool_]) -> csr_matrix:
+    """Q = L^T M^-1 L over the rows of the free vertices: cotangent L, lumped areas M, both of M^p."""
+    areas = lumped_areas(planar, triangles, len(free))
     scale = np.where(free, 1.0 / np.sqrt(np.where(free, areas, 1.0)), 0.0)
-    half_operator = diags_array(scale) @ laplacian
+    half_operator = diags_array(scale) @ cotangent_laplacian(planar, triangles, len(free))
     return (half_operator.T @ half_operator).tocsr()
+
+
+def bump(planar: Floats, triangles: Ints, boundary_count: int) -> Floats:
+    """A smooth hill over M^p, (m,): 0 on the boundary, 1 at its top, the solution of -Laplace u = const."""
+    inner = slice(boundary_count, None)
+    laplacian = cotangent_laplacian(planar, triangles, len(planar))[inner, inner]
+    height = np.zeros(len(planar))
+    height[inner] = spsolve(laplacian.tocsc(), lumped_areas(planar, triangles, len(planar))[inner])
+    return height / np.abs(height).max(initial=1e-300)
 
 
 def hinge_weights(planar: Floats, hinges: Ints) -> Floats:

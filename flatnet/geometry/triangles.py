@@ -20,6 +20,13 @@ def area_vectors(vertices: Floats, triangles: Ints) -> Floats:
     return 0.5 * np.cross(b - a, c - a)
 
 
+def vertex_normals(vertices: Floats, triangles: Ints) -> Floats:
+    """Unit normal at every vertex, (m, 3): the mean of its triangles' normals by area."""
+    by_corner = np.repeat(area_vectors(vertices, triangles), 3, axis=0)
+    sums = [vertex_sums(triangles, by_corner[:, k], len(vertices)) for k in range(3)]
+    return unit(np.stack(sums, axis=1))
+
+
 def signed_areas(positions: Floats, triangles: Ints) -> Floats:
     """Signed area of every triangle in the plane, (t,); positive when anticlockwise."""
     a, b, c = (positions[triangles[:, k]] for k in range(3))
@@ -45,10 +52,15 @@ def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
     return angles
 
 
+def vertex_sums(triangles: Ints, by_corner: Floats, count: int) -> Floats:
+    """Values of the triangles' corners, (3 t,), summed at their vertices, (count,)."""
+    return np.bincount(triangles.ravel(), weights=by_corner, minlength=count).astype(np.float64)
+
+
 def angle_sums(vertices: Floats, triangles: Ints) -> Floats:
     """Sum of the triangle angles at every vertex, (m,), rad; theta of Property 1."""
     angles = corner_angles(vertices, triangles)
-    return np.bincount(triangles.ravel(), weights=angles.ravel(), minlength=len(vertices))
+    return vertex_sums(triangles, angles.ravel(), len(vertices))
 
 
 def angle_defects(vertices: Floats, triangles: Ints) -> Floats:

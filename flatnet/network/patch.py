@@ -17,7 +17,8 @@ class Stretch:
     Attributes
     ----------
     seam : name of the seam (`SampledStretch.name`).
-    first, count : the boundary edges first .. first + count - 1, modulo n; edge i goes from vertex i to i + 1.
+    first, count : the boundary edges first .. first + count - 1, modulo n; edge i goes from vertex i to
+        i + 1.
     reversed : the boundary runs against the seam's direction (the patch lies on the seam's right).
     """
 

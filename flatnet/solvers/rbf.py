@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import warnings
 from dataclasses import dataclass
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.linalg import lu_factor, lu_solve
+from scipy.linalg import LinAlgWarning, lu_factor, lu_solve
 from scipy.linalg.lapack import dgecon
 from scipy.spatial.distance import cdist
 
@@ -55,7 +56,8 @@ def fit_triharmonic(centres: Floats, values: Floats) -> TriharmonicMap:
     right_side = np.zeros((len(system), values.shape[1]))
     right_side[:count] = values
     norm = np.abs(system).sum(axis=0).max()
-    with np.errstate(all="ignore"):
+    with np.errstate(all="ignore"), warnings.catch_warnings():
+        warnings.simplefilter("ignore", LinAlgWarning)  # the condition says so
         factor, pivots = lu_factor(system, check_finite=False)
         reciprocal, _ = dgecon(factor, norm)
         solution = lu_solve((factor, pivots), right_side, check_finite=False)

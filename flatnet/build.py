@@ -1,0 +1,204 @@
+"""The whole flow on one page: a project file in, a folder of pieces, layouts and a report out."""
+
+from __future__ import annotations
+
+import json
+import traceback
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+from pathlib import Path
+
+from flatnet.export.file_names import safe_file_names
+from flatnet.export.network_json import write_network
+from flatnet.export.obj import write_obj
+from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder
+from flatnet.export.svg import write_layout, write_piece
+from flatnet.failure import Finding, PatchFailure
+from flatnet.fitting.fit import fit_patch
+from flatnet.fitting.results import FailedPatch, FittedPatch
+from flatnet.forms import make_surface
+from flatnet.nesting.layout import Layout
+from flatnet.nesting.nest import nest
+from flatnet.nesting.stored import read_stored, write_stored
+from flatnet.network import CurveNetwork, make_network
+from flatnet.network.patch import Patch
+from flatnet.parameters import FairParameters, MultiLoopParameters
+from flatnet.pattern.piece import Piece, make_piece
+from flatnet.project import Project, load_project
+from flatnet.report.report import make_report
+from flatnet.version import VERSION
+
+#: Called as the work goes on: what is being done, how many of the patches are done, of how many.
+Progress = Callable[[str, int, int], None]
+
+STORED_LAYOUT = "layout.json"
+
+
+@dataclass(frozen=True, eq=False)
+class BuildResult:
+    """What a build came to; `report` is the content of report.json in `folder`."""
+
+    folder: Path
+    report: dict[str, object]
+
+    @property
+    def exit_status(self) -> int:
+        """0: all patches made and laid out; 1: some, or none."""
+        return 0 if self.report["status"] == "ok" else 1
+
+
+def build(project_file: str | Path, out: str | Path, progress: Progress = lambda *_: None) -> BuildResult:
+    """Fit every patch of a project, lay the pieces out and write everything to the folder `out`.
+
+    Raises
+    ------
+    ProjectError
+        The project is invalid; nothing is written.
+    OutputError
+        The folder can't be used.
+    """
+    project = load_project(Path(project_file))
+    surface = make_surface(project)
+    network = make_network(project, surface)
+    output = OutputFolder(Path(out))
+    try:
+        results = _fit_all(project, network, progress)
+        pieces, results = _make_pieces(project, results)
+        stored = read_stored(output.previous(STORED_LAYOUT))
+        layouts: list[Layout] = []
+        findings: list[Finding] = []
+        for material in project.materials.values():
+            of_material = [piece for piece in pieces if piece.material == material.name]
+            done, found = nest(
+                of_material,
+                material,
+                project.nesting,
+                stored,
+                lambda text: progress(text, len(results), len(results)),
+            )
+            layouts += done
+            findings += found
+        named = {f"{name}.svg": layout for name, layout in zip(_layout_names(layouts), layouts, strict=True)}
+        files = _write(output.staging, project, network, results, pieces, named)
+        files.append(REPORT)
+        report = make_report(
+            project.name, VERSION, REPORT_FORMAT, network, surface, results, named, findings, sorted(files)
+        )
+        (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+        output.commit(files)
+    except BaseException:
+        output.discard()
+        raise
+    return BuildResult(output.folder, report)
+
+
+def check(project_file: str | Path) -> tuple[Project, CurveNetwork]:
+    """Read a project, sample its network and find its faces, without fitting.
+
+    Raises
+    ------
+    ProjectError
+        The project is invalid.
+    """
+    project = load_project(Path(project_file))
+    return project, make_network(project, make_surface(project))
+
+
+def _fit_all(
+    project: Project, network: CurveNetwork, progress: Progress
+) -> list[FittedPatch | FailedPatch]:
+    """Every patch of the project in its order; one that fails stops no other."""
+    not_fitted = {finding.patch: finding for finding in network.failed}
+    patches = {patch.name: patch for patch in network.patches}
+    results: list[FittedPatch | FailedPatch] = []
+    for name, spec in project.patches.items():
+        if name in not_fitted:
+            results.append(FailedPatch(name, not_fitted[name]))
+        else:
+            results.append(run_patch(patches[name], spec.method))
+        progress(name, len(results), len(project.patches))
+    return results
+
+
+def run_patch(
+    patch: Patch, parameters: FairParameters | MultiLoopParameters
+) -> FittedPatch | FailedPatch:
+    """Fit one patch; the one place where its failures are caught."""
+    seconds: dict[str, float] = {}
+    try:
+        return fit_patch(patch, parameters, seconds)
+    except PatchFailure as failure:
+        return FailedPatch(patch.name, failure.finding.on(patch.name), seconds=seconds)
+    except Exception as error:
+        return FailedPatch(patch.name, _internal_error(patch.name, "fitting", error), seconds=seconds)
+
+
+def _make_pieces(
+    project: Project, results: Sequence[FittedPatch | FailedPatch]
+) -> tuple[list[Piece], list[FittedPatch | FailedPatch]]:
+    """A piece for every fitted patch; one whose piece can't be made becomes a failed patch."""
+    pieces: list[Piece] = []
+    kept: list[FittedPatch | FailedPatch] = []
+    for result in results:
+        if isinstance(result, FittedPatch):
+            name = result.patch.name
+            try:
+                pieces.append(make_piece(result, project.materials[result.patch.material]))
+            except PatchFailure as failure:
+                result = FailedPatch(name, failure.finding.on(name), result.warnings, result.seconds)
+            except Exception as error:
+                bug = _internal_error(name, "pattern", error)
+                result = FailedPatch(name, bug, result.warnings, result.seconds)
+        kept.append(result)
+    return pieces, kept
+
+
+def _internal_error(patch: str, stage: str, error: Exception) -> Finding:
+    return Finding(
+        code="internal_error",
+        stage=stage,
+        message=f"{type(error).__name__}: {error}",
+        remedy="This is a bug in flatnet; please report it with the project file and report.json.",
+        patch=patch,
+        details="".join(traceback.format_exception(error)),
+    )
+
+
+def _layout_names(layouts: Sequence[Layout]) -> list[str]:
+    safe = safe_file_names(dict.fromkeys(layout.material.name for layout in layouts))
+    return [
+        f"layout-{safe[layout.material.name]}" + (f"-{layout.sheet}" if layout.sheet > 1 else "")
+        for layout in layouts
+    ]
+
+
+def _write(
+    folder: Path,
+    project: Project,
+    network: CurveNetwork,
+    results: Sequence[FittedPatch | FailedPatch],
+    pieces: Sequence[Piece],
+    layouts: dict[str, Layout],
+) -> list[str]:
+    """Write all files but the report into a folder; their names relative to it."""
+    (folder / "patches").mkdir()
+    (folder / "pieces").mkdir()
+    names = safe_file_names(project.patches)
+    files = ["network.json", STORED_LAYOUT, *layouts]
+    write_network(folder / "network.json", network)
+    write_stored(folder / STORED_LAYOUT, layouts.values())
+    for result in results:
+        if isinstance(result, FittedPatch):
+            name = names[result.patch.name]
+            mesh, warped = result.mesh, result.warped
+            files += [f"patches/{name}.obj", f"patches/{name}.initial.obj"]
+            write_obj(folder / files[-2], mesh.vertices, mesh.triangles, result.flat)
+            write_obj(folder / files[-1], warped.vertices, warped.triangles, result.planar.positions)
+    for piece in pieces:
+        files.append(f"pieces/{names[piece.name]}.svg")
+        write_piece(folder / files[-1], piece)
+    for file, layout in layouts.items():
+        wanted = [spec.name for spec in project.patches.values() if spec.material == layout.material.name]
+        laid = {p.piece.name for other in layouts.values() for p in other.placements}
+        write_layout(folder / file, layout, project.name, [name for name in wanted if name not in laid])
+    return files

@@ -1,0 +1,93 @@
+"""Make the curve network: a project and its surface go in, patches that share sampled curves come out."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.failure import Finding
+from flatnet.forms.surface import ReferenceSurface
+from flatnet.network.boundaries import make_patch
+from flatnet.network.curves import place_nodes, sample_curve
+from flatnet.network.faces import match_faces
+from flatnet.network.graph import dangling_ends, rotation_system, trace_faces
+from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
+from flatnet.network.normals import stretch_normals
+from flatnet.network.patch import Patch
+from flatnet.project.model import Problem, Project, ProjectError
+
+Floats = NDArray[np.float64]
+
+
+def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNetwork:
+    """Sample a project's curves, trace the faces of their network and make those that are patches.
+
+    Parameters
+    ----------
+    project : as its file gives it.
+    surface : what curves are projected onto and normals taken from; None where the project has none.
+
+    Raises
+    ------
+    ProjectError
+        The geometry shows that the project is wrong: a projected curve jumps, a curve ends inside a face, the
+        order of curves around a node or the loops of a face are unsure (`ambiguous_faces`), an `around` is no
+        face, a face is listed nowhere, normals change side along a patch. All problems that can be told at
+        once are in it; a patch that is no disk is none of them, but a finding in `failed`.
+    """
+
+    def refuse(problems: list[Problem]) -> None:
+        if problems:
+            raise ProjectError(project.file, problems)
+
+    places = place_nodes(project.nodes, project.curves, surface)
+    stretches, problems = sample_stretches(project, places, surface)
+    refuse(problems + dangling_ends(stretches, places, project.curves))
+    rotation, problems = rotation_system(stretches, project.nodes)
+    refuse(problems)
+    traced = trace_faces(stretches, rotation)
+    matched, problems = match_faces(project, stretches, traced)
+
+    patches: list[Patch] = []
+    failed: list[Finding] = []
+    for name, loops in matched.patches.items():
+        made, found = make_patch(project.patches[name], loops, stretches, project.curves)
+        problems += found
+        if isinstance(made, Patch):
+            patches.append(made)
+        elif made is not None:
+            failed.append(made)
+    refuse(list(dict.fromkeys(problems)))
+    return CurveNetwork(
+        nodes=places,
+        stretches=stretches,
+        patches=tuple(patches),
+        failed=tuple(failed),
+        openings={
+            name: tuple(tuple(map(str, loop)) for loop in loops) for name, loops in matched.openings.items()
+        },
+        face_count=len(traced.faces),
+        euler_characteristics=traced.euler_characteristics,
+    )
+
+
+def sample_stretches(
+    project: Project, places: Mapping[str, Floats], surface: ReferenceSurface | None
+) -> tuple[dict[str, SampledStretch], list[Problem]]:
+    """All stretches of all curves, in the order of the file, and what is wrong with the other curves."""
+    stretches: dict[str, SampledStretch] = {}
+    problems = []
+    for curve in project.curves.values():
+        try:
+            samples = sample_curve(curve, places, surface, project.chord_tolerance)
+            for part in samples.stretches:
+                left, right = stretch_normals(curve, samples, part, surface)
+                name = curve.name if len(samples.stretches) == 1 else f"{curve.name}:{part.start}..{part.end}"
+                stretches[name] = SampledStretch(
+                    name, curve.name, part.start, part.end, part.vertices, left, right, curve.slit
+                )
+        except GeometryError as found:
+            problems.append(found.problem)
+    return stretches, problems

@@ -1,0 +1,87 @@
+"""Unit normals of the edges of sampled curves: given per point, per segment, for all, or from the surface."""
+
+from __future__ import annotations
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.forms.surface import ReferenceSurface
+from flatnet.network.curves import ControlPolygon, CurveSamples, StretchSamples
+from flatnet.network.network import GeometryError
+from flatnet.project.model import CurveSpec, NormalList
+
+Floats = NDArray[np.float64]
+
+#: A unit normal whose part orthogonal to its edge is shorter than this points along the edge.
+ALONG_EDGE = 1e-3
+
+
+def stretch_normals(
+    curve: CurveSpec, samples: CurveSamples, stretch: StretchSamples, surface: ReferenceSurface | None
+) -> tuple[Floats, Floats]:
+    """Left and right normals of a stretch's edges, both (k, 3), unit, orthogonal to the edges.
+
+    They are one array off creases, and zero where the curve has no normals.
+
+    Raises
+    ------
+    GeometryError
+        A normal points along its edge or vanishes between two opposed ones.
+    """
+    spec = curve.normals
+    vertices = stretch.vertices
+    if spec.source == "none":
+        none = np.zeros((len(vertices) - 1, 3))
+        return none, none
+    if spec.source == "surface":
+        assert surface is not None, "a project that takes normals from a surface has one"
+        normals = _orthogonal(curve, stretch, surface.nearest(0.5 * (vertices[:-1] + vertices[1:]))[1])
+        return normals, normals
+    assert spec.left is not None and spec.right is not None, "given normals are given on both sides"
+    middles = 0.5 * (stretch.arclengths[:-1] + stretch.arclengths[1:])
+    left = _orthogonal(curve, stretch, _given(spec.left, samples, middles))
+    right = _orthogonal(curve, stretch, _given(spec.right, samples, middles)) if spec.crease else left
+    return left, right
+
+
+def _given(normals: NormalList, samples: CurveSamples, middles: Floats) -> Floats:
+    """Given normals at arclengths: interpolated between points, constant along segments; at most 1 long."""
+    lengths = np.linalg.norm(normals.values, axis=1, keepdims=True)
+    values = normals.values / np.where(lengths > 0.0, lengths, 1.0)
+    if normals.per == "curve":
+        return np.broadcast_to(values[0], (len(middles), 3))
+    arcs = samples.control_arclengths
+    values = _from_control_start(values, samples.control)
+    if normals.per == "segment":
+        segment = np.searchsorted(arcs, middles, side="right") - 1
+        return np.array(values[np.clip(segment, 0, len(arcs) - 2)])
+    return np.stack([np.interp(middles, arcs, column) for column in values.T], axis=1)
+
+
+def _from_control_start(values: Floats, control: ControlPolygon) -> Floats:
+    """A list's values from the control polygon's start on; round a closed curve to the first value again."""
+    if not control.closed:
+        return values
+    segments = len(control.positions) - 1
+    if len(values) > segments:  # one for `from` and one for `to`, the same node
+        return values
+    values = np.roll(values, -control.shift, axis=0)
+    return np.vstack([values, values[:1]])
+
+
+def _orthogonal(curve: CurveSpec, stretch: StretchSamples, normals: Floats) -> Floats:
+    """Normals, at most 1 long, made orthogonal to their edges and scaled to unit length."""
+    vertices = stretch.vertices
+    edges = np.diff(vertices, axis=0)
+    edges = edges / np.linalg.norm(edges, axis=1, keepdims=True)
+    across = normals - np.einsum("ij,ij->i", normals, edges)[:, None] * edges
+    length = np.linalg.norm(across, axis=1, keepdims=True)
+    bad = np.flatnonzero(length[:, 0] < ALONG_EDGE)
+    if len(bad):
+        at = stretch.arclengths[bad[0] : bad[0] + 2].mean()
+        raise GeometryError(
+            curve.normals.mark or curve.mark,
+            f"curve '{curve.name}': the normal at {at:.1f} mm along it points along the curve or vanishes "
+            f"between opposed ones ({len(bad)} of {len(edges)} edges); give normals that stand off the curve",
+        )
+    return across / length

@@ -1,0 +1,117 @@
+"""Everything a build has to say, for programs: report.json (docs/report.md)."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+
+from flatnet.failure import Finding
+from flatnet.fitting.results import FailedPatch, FittedPatch
+from flatnet.forms.surface import ReferenceSurface
+from flatnet.nesting.layout import Layout
+from flatnet.network.network import CurveNetwork
+from flatnet.report.metrics import metrics
+from flatnet.report.seams import seam_records
+
+
+def make_report(
+    project: str,
+    version: str,
+    report_format: str,
+    network: CurveNetwork,
+    surface: ReferenceSurface | None,
+    results: Sequence[FittedPatch | FailedPatch],
+    layouts: Mapping[str, Layout],
+    findings: Sequence[Finding],
+    files: Sequence[str],
+) -> dict[str, object]:
+    """The content of report.json.
+
+    Parameters
+    ----------
+    layouts : file -> the layout drawn in it.
+    findings : of nesting; those that name a patch say that it was made and could not be laid.
+    files : all files of the build, relative to the output folder.
+    """
+    fitted = {result.patch.name: result for result in results if isinstance(result, FittedPatch)}
+    patches = [
+        _fitted_record(result, surface, findings)
+        if isinstance(result, FittedPatch)
+        else _failed_record(result)
+        for result in results
+    ]
+    return {
+        "format": report_format,
+        "flatnet": version,
+        "project": project,
+        "status": status([record["status"] == "ok" for record in patches], bool(layouts)),
+        "patches": patches,
+        "seams": seam_records(network, fitted),
+        "layouts": [_layout_record(file, layout) for file, layout in layouts.items()],
+        "findings": [finding.as_dict() for finding in findings],
+        "openings": {name: [list(loop) for loop in loops] for name, loops in network.openings.items()},
+        "euler_characteristics": list(network.euler_characteristics),
+        "files": list(files),
+    }
+
+
+def status(made: Sequence[bool], laid_out: bool) -> str:
+    """`ok`: all patches made and laid out; `failed`: none, or no layout; else `partial`."""
+    if not laid_out or not any(made):
+        return "failed"
+    return "ok" if all(made) else "partial"
+
+
+def _fitted_record(
+    fitted: FittedPatch, surface: ReferenceSurface | None, findings: Sequence[Finding]
+) -> dict[str, object]:
+    mesh = fitted.mesh
+    name = fitted.patch.name
+    not_laid = next((finding for finding in findings if finding.patch == name), None)
+    return {
+        "name": name,
+        "status": "failed" if not_laid else "ok",
+        "failure": not_laid.as_dict() if not_laid else None,
+        "warnings": [warning.on(name).as_dict() for warning in fitted.warnings],
+        "metrics": metrics(fitted, surface),
+        "method": {
+            "name": mesh.method,
+            "parameters": dict(mesh.parameters),
+            "status": mesh.status,
+            "steps": mesh.steps,
+        },
+        "seconds": dict(fitted.seconds),
+    }
+
+
+def _failed_record(failed: FailedPatch) -> dict[str, object]:
+    return {
+        "name": failed.name,
+        "status": "failed",
+        "failure": failed.failure.as_dict(),
+        "warnings": [warning.as_dict() for warning in failed.warnings],
+        "metrics": None,
+        "method": None,
+        "seconds": dict(failed.seconds or {}),
+    }
+
+
+def _layout_record(file: str, layout: Layout) -> dict[str, object]:
+    return {
+        "file": file,
+        "material": layout.material.name,
+        "sheet_width_mm": layout.material.width,
+        "used_length_mm": layout.used_length,
+        "utilisation": layout.utilisation,
+        "draft": layout.draft,
+        "pieces": [
+            {
+                "patch": placement.piece.name,
+                "copy": placement.copy,
+                "mirrored": placement.mirrored,
+                "rotation_deg": placement.rotation_deg,
+                "x_mm": placement.x_mm,
+                "y_mm": placement.y_mm,
+            }
+            for placement in layout.placements
+        ],
+    }

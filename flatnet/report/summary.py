@@ -1,0 +1,58 @@
+"""What the terminal shows of a build or a check: one line per patch."""
+
+from __future__ import annotations
+
+from pathlib import Path
+from typing import Any
+
+from flatnet.network.network import CurveNetwork
+from flatnet.project.model import Project
+
+
+def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
+    """One line per patch, failures with what to do, then the layouts and where everything is."""
+    width = max(len(patch["name"]) for patch in report["patches"])
+    lines = [_patch_line(patch, width) for patch in report["patches"]]
+    for finding in report["findings"]:
+        if not finding["patch"]:
+            lines.append(f"{finding['code']}: {finding['message']} {finding['remedy']}")
+    for layout in report["layouts"]:
+        lines.append(
+            f"{folder / layout['file']}: {len(layout['pieces'])} pieces on {layout['sheet_width_mm']:g} x "
+            f"{layout['used_length_mm']:.0f} mm, {100 * layout['utilisation']:.1f} % used"
+            + (" (draft)" if layout["draft"] else "")
+        )
+    made = sum(patch["status"] == "ok" for patch in report["patches"])
+    lines.append(f"{report['status']}: {made} of {len(report['patches'])} patches made; {folder / 'report.json'}")
+    return lines
+
+
+def _patch_line(patch: dict[str, Any], width: int) -> str:
+    name = patch["name"].ljust(width)
+    if patch["failure"]:
+        failure = patch["failure"]
+        return f"{name}  FAILED {failure['code']}: {failure['message']} {failure['remedy']}"
+    figures = patch["metrics"]
+    warnings = "".join(f"  warning {warning['code']}" for warning in patch["warnings"])
+    return (
+        f"{name}  ok  {figures['vertices']:5d} V  flat to {figures['max_flattenability_rad']:.0e} rad  "
+        f"normals {figures['mean_normal_deviation_deg']:4.1f} deg  bending {figures['bending']:7.1f}  "
+        f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s{warnings}"
+    )
+
+
+def network_lines(project: Project, network: CurveNetwork) -> list[str]:
+    """What `flatnet check` found."""
+    lines = []
+    for patch in network.patches:
+        seams = ", ".join(("-" if s.reversed else "") + s.seam for s in patch.boundary.stretches)
+        lines.append(f"{patch.name}: {len(patch.boundary.vertices)} boundary edges along {seams}")
+    lines += [str(finding) for finding in network.failed]
+    curves = {stretch.curve for stretch in network.stretches.values()}
+    euler = ", ".join(map(str, network.euler_characteristics))
+    lines.append(
+        f"{project.name}: {len(network.nodes)} nodes, {len(curves)} curves in {len(network.stretches)} stretches, "
+        f"{network.face_count} faces ({len(network.patches)} patches, {len(network.openings)} openings), "
+        f"V - E + F = {euler}"
+    )
+    return lines
