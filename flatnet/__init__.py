@@ -3,6 +3,7 @@
 from flatnet.build import BuildResult, build, check
 from flatnet.export.output import OutputError
 from flatnet.project import ProjectError
-from flatnet.version import VERSION as __version__
+from flatnet.version import VERSION
 
 __all__ = ["BuildResult", "OutputError", "ProjectError", "__version__", "build", "check"]
+__version__ = VERSION

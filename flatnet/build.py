@@ -22,7 +22,7 @@ from flatnet.nesting.nest import nest
 from flatnet.nesting.stored import read_stored, write_stored
 from flatnet.network import CurveNetwork, make_network
 from flatnet.network.patch import Patch
-from flatnet.parameters import FairParameters, MultiLoopParameters
+from flatnet.parameters import FittingParameters
 from flatnet.pattern.piece import Piece, make_piece
 from flatnet.project import Project, load_project
 from flatnet.report.report import make_report
@@ -115,13 +115,13 @@ def _fit_all(
         if name in not_fitted:
             results.append(FailedPatch(name, not_fitted[name]))
         else:
-            results.append(run_patch(patches[name], spec.method))
+            results.append(run_patch(patches[name], spec.fitting))
         progress(name, len(results), len(project.patches))
     return results
 
 
 def run_patch(
-    patch: Patch, parameters: FairParameters | MultiLoopParameters
+    patch: Patch, parameters: FittingParameters
 ) -> FittedPatch | FailedPatch:
     """Fit one patch; the one place where its failures are caught."""
     seconds: dict[str, float] = {}

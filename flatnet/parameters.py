@@ -79,8 +79,10 @@ class MultiLoopParameters:
         _check(self.max_outer_loops, "max_outer_loops", 1, 100_000)
 
 
+FittingParameters = FairParameters | MultiLoopParameters
+
 #: Name of a fitting method in the project file -> its parameters.
-METHODS: dict[str, type[FairParameters] | type[MultiLoopParameters]] = {
+METHODS: dict[str, type[FittingParameters]] = {
     "fair": FairParameters,
     "multi_loop": MultiLoopParameters,
 }

@@ -1,4 +1,4 @@
-"""Write a mesh and its flat coordinates as Wavefront OBJ, exact to the last bit."""
+"""Write and read a mesh and its flat coordinates as Wavefront OBJ, exact to the last bit."""
 
 from __future__ import annotations
 
@@ -25,3 +25,29 @@ def write_obj(path: Path, vertices: Floats, triangles: Ints, flat: Floats) -> No
     lines += [f"vt {x:.17g} {y:.17g}" for x, y in flat.tolist()]
     lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (triangles + 1).tolist()]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def read_obj(path: Path) -> tuple[Floats, Ints, Floats]:
+    """Read what `write_obj` wrote: vertices (m, 3) and flat coordinates (m, 2), mm, and triangles (t, 3) between them.
+
+    Returns
+    -------
+    vertices, triangles, flat : in the order of `write_obj`.
+
+    Raises
+    ------
+    ValueError
+        The file is no OBJ of ours: faces that are no triangles, or whose corners differ in `v` and `vt`.
+    """
+    rows: dict[str, list[list[str]]] = {"v": [], "vt": [], "f": []}
+    for line in path.read_text(encoding="ascii").splitlines():
+        kind, *fields = line.split() or [""]
+        if kind in rows:
+            rows[kind].append(fields)
+    corners = np.array([[corner.split("/") for corner in face] for face in rows["f"]], np.int64) - 1
+    vertices, flat = np.array(rows["v"], float), np.array(rows["vt"], float)
+    if corners.shape[1:] != (3, 2) or (corners[..., 0] != corners[..., 1]).any():
+        raise ValueError("not an OBJ of flatnet: its faces are to be triangles `v/vt` with v = vt")
+    if vertices.shape[1:] != (3,) or flat.shape != (len(vertices), 2) or not 0 <= corners.min() <= corners.max() < len(flat):
+        raise ValueError("not an OBJ of flatnet: it needs one `vt` for each `v`, and faces between them")
+    return vertices, corners[..., 0].copy(), flat

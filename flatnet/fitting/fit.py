@@ -19,14 +19,14 @@ from flatnet.fitting.warp import warp
 from flatnet.geometry.crossings import polygon_crossings
 from flatnet.geometry.triangles import hinge_angles, hinges_of
 from flatnet.network.patch import BoundaryCurve, Patch
-from flatnet.parameters import FairParameters, MultiLoopParameters
+from flatnet.parameters import FairParameters, FittingParameters
 
 #: A hinge sharper than this is a fold, rad.
 FOLD = np.radians(120.0)
 
 
 def fit_patch(
-    patch: Patch, parameters: FairParameters | MultiLoopParameters, seconds: dict[str, float]
+    patch: Patch, parameters: FittingParameters, seconds: dict[str, float]
 ) -> FittedPatch:
     """B -> B^p -> M^p -> M^0 -> M -> flat.
 
@@ -63,7 +63,7 @@ def make_flattenable(
     warped: WarpedMesh,
     boundary: BoundaryCurve,
     planar: PlanarMesh,
-    parameters: FairParameters | MultiLoopParameters,
+    parameters: FittingParameters,
 ) -> FlattenableMesh:
     """M from M^0 by the method that the parameters belong to (paper 4)."""
     if isinstance(parameters, FairParameters):

@@ -153,8 +153,11 @@ def regular_edge_length(outline: Floats, target: float) -> float:
     """The target, or what gives `PLANNED_INTERIOR` interior vertices where that is less.
 
     A mesh of equilateral triangles of edge L with n boundary edges and m interior vertices has 2 m + n - 2
-    triangles of area sqrt(3) / 4 L^2.
+    triangles of area sqrt(3) / 4 L^2. Every boundary edge has an interior vertex across and few serve more
+    than two edges, so many boundary edges bring enough interior vertices at any edge length.
     """
+    if len(outline) >= 2 * PLANNED_INTERIOR:
+        return target
     area = 0.5 * float(np.sum(cross(outline, np.roll(outline, -1, axis=0))))
     enough = np.sqrt(area / (SQRT3 / 4.0 * (2 * PLANNED_INTERIOR + len(outline) - 2)))
     return float(min(target, max(enough, shortest_edge_length(outline))))

@@ -24,8 +24,8 @@ def polygon_crossings(positions: Floats, space: Floats | None = None) -> list[tu
     ----------
     positions : (n, 2) float; edge i runs from vertex i to vertex i + 1, the last one back to the first.
     space : (n, 3) float, optional; the polygon in space that this one is the flat image of. Where vertices of
-        two edges coincide in space the edges are sides of a slit: those may touch, and overlap by
-        `SLIT_TOLERANCE` mean edges.
+        two edges coincide in space the edges belong to a slit: its sides may touch, and overlap by
+        `SLIT_TOLERANCE` mean edges. For a polygon that runs anticlockwise.
 
     Returns
     -------
@@ -39,10 +39,12 @@ def polygon_crossings(positions: Floats, space: Floats | None = None) -> list[tu
     i, j = i[apart], j[apart]
 
     s, t, meet = _meeting_points(starts[i], ends[i], starts[j], ends[j])
-    if space is not None and meet.any():
-        meet &= ~_slit_sides(i, j, space, starts, ends)
-    order = np.lexsort((j[meet], i[meet]))
-    pairs = zip(i[meet][order], s[meet][order], j[meet][order], t[meet][order])
+    i, s, j, t = i[meet], s[meet], j[meet], t[meet]
+    if space is not None and len(i):
+        crossing = ~_along_slit(i, s, j, positions, space)
+        i, s, j, t = i[crossing], s[crossing], j[crossing], t[crossing]
+    order = np.lexsort((j, i))
+    pairs = zip(i[order], s[order], j[order], t[order])
     return [(int(a), float(b), int(c), float(d)) for a, b, c, d in pairs]
 
 
@@ -81,29 +83,29 @@ def _meeting_points(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Floats,
     return np.clip(s, 0.0, 1.0), np.clip(t, 0.0, 1.0), meet | both
 
 
-def _slit_sides(i: Ints, j: Ints, space: Floats, starts: Floats, ends: Floats) -> NDArray[np.bool_]:
-    """Whether edges i and j have a point of space in common and overlap by no more than the tolerance."""
+def _along_slit(i: Ints, s: Floats, j: Ints, positions: Floats, space: Floats) -> NDArray[np.bool_]:
+    """Whether what edges i and j have in common is no more than two sides of a slit may have.
+
+    The two sides of one edge of space lie each to the right of the other, up to the tolerance. Other edges of
+    the slit meet only where their common point of space is.
+    """
     n = len(space)
-    mean_edge = np.linalg.norm(ends - starts, axis=1).mean()
-    cells = np.round((space - space.min(axis=0)) / (SAME_POINT * mean_edge))
+    following = (np.arange(n) + 1) % n
+    tolerance = SLIT_TOLERANCE * float(np.linalg.norm(positions[following] - positions, axis=1).mean())
+    cells = np.round((space - space.min(axis=0)) / (SAME_POINT / SLIT_TOLERANCE * tolerance))
     point = np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
-    corners_i, corners_j = (np.stack([point[e], point[(e + 1) % n]], axis=1) for e in (i, j))
-    share = (corners_i[:, :, None] == corners_j[:, None, :]).any(axis=(1, 2))
 
-    depth = np.min(
-        [
-            _distance(starts[i], starts[j], ends[j]),
-            _distance(ends[i], starts[j], ends[j]),
-            _distance(starts[j], starts[i], ends[i]),
-            _distance(ends[j], starts[i], ends[i]),
-        ],
-        axis=0,
-    )
-    return share & (depth <= SLIT_TOLERANCE * mean_edge)
+    def left_of(edge: Ints, vertex: Ints) -> Floats:
+        along = positions[following[edge]] - positions[edge]
+        return _cross(along, positions[vertex] - positions[edge]) / np.linalg.norm(along, axis=1)
 
+    both_sides = (point[i] == point[following[j]]) & (point[following[i]] == point[j])
+    depth = np.max([left_of(i, j), left_of(i, following[j]), left_of(j, i), left_of(j, following[i])], axis=0)
 
-def _distance(points: Floats, starts: Floats, ends: Floats) -> Floats:
-    """Distance of each point to its segment."""
-    along = ends - starts
-    fraction = np.clip(_dot(points - starts, along) / _dot(along, along), 0.0, 1.0)
-    return np.linalg.norm(points - starts - fraction[:, None] * along, axis=1)
+    place = positions[i] + s[:, None] * (positions[following[i]] - positions[i])
+    at_common_point = np.zeros(len(i), dtype=bool)
+    for a in (i, following[i]):
+        for b in (j, following[j]):
+            reach = np.maximum(*(np.linalg.norm(positions[corner] - place, axis=1) for corner in (a, b)))
+            at_common_point |= (point[a] == point[b]) & (reach <= tolerance)
+    return np.where(both_sides, depth <= tolerance, at_common_point)

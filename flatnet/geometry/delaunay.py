@@ -13,8 +13,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 Bools = NDArray[np.bool_]
 
-#: Weights of this size, relative, decide between the two diagonals of four points on one circle.
-TIE_WEIGHT = 1e-7
+#: Differences of this size, relative, decide between choices that are equal but for round-off.
+TIE_WEIGHT = 1e-6
 
 #: An in-circle determinant below this, relative, is round-off.
 ROUND_OFF = 1e-12
@@ -42,14 +42,16 @@ def cross(u: Floats, v: Floats) -> Floats:
 
 
 def tie_break(positions: Floats) -> Floats:
-    """A smooth function of the place without the symmetries of common outlines, (m,), mean of order 1.
+    """A smooth function of the place, (m,), of order 1, that differs between places alike by symmetry.
 
     It decides wherever geometry leaves a choice, so that the choice does not hang on the order of vertices.
-    The fourth power of the radius is the same for mirrored outlines; the small odd term decides what is left.
+    The first term turns with the positions, mirrored or not; the second decides what a symmetry leaves open.
     """
-    mean_square = np.sum(positions**2) / max(len(positions), 1)
-    x, y = (positions / np.sqrt(mean_square + np.finfo(float).tiny)).T
-    return (x * x + y * y) ** 2 + 0.01 * x * y * (1.0 + x + y)
+    mean_square = np.sum(positions**2) / max(len(positions), 1) + np.finfo(float).tiny
+    x, y = (positions / np.sqrt(mean_square)).T
+    square = x * x + y * y
+    skew = (np.sum(x * square) * x + np.sum(y * square) * y) / max(len(positions), 1)
+    return square * (square + skew) + 0.03 * x * y * (1.0 + x + y)
 
 
 def delaunay_flips(positions: Floats, triangles: Ints, boundary_count: int) -> Ints:

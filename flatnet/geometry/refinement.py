@@ -9,6 +9,7 @@ import shapely
 from numpy.typing import NDArray
 
 from flatnet.geometry.delaunay import (
+    TIE_WEIGHT,
     cross,
     delaunay_flips,
     flip,
@@ -134,7 +135,7 @@ def chord_splits(positions: Floats, triangles: Ints, boundary_count: int) -> tup
     tails, heads, _ = half_edge_vertices(triangles)
     middle = 0.5 * (positions[tails[chords]] + positions[heads[chords]])
     length = np.linalg.norm(positions[heads[chords]] - positions[tails[chords]], axis=1)
-    score = length / max(length.max(initial=0.0), np.finfo(float).tiny) + 1e-6 * tie_break(middle)
+    score = length / max(length.max(initial=0.0), np.finfo(float).tiny) + TIE_WEIGHT * tie_break(middle)
     chosen = one_per_triangle(chords // 3, twins // 3, score)
     return middle[chosen], chords[chosen] // 3
 
@@ -154,7 +155,7 @@ def circumcentres(
     place = locate(positions, triangles, twins_of(triangles), points, poor)
     inside = np.flatnonzero(place >= 0)
     inside = inside[~in_lens(points[inside], outline, limits.lens_angle)]
-    badness = angles[poor[inside]] + 1e-6 * tie_break(points)[inside]
+    badness = angles[poor[inside]] + TIE_WEIGHT * tie_break(points)[inside]
     order = inside[np.argsort(badness, kind="stable")]
     chosen = order[_spaced(points[order], radius[order], place[order])]
     return points[chosen], place[chosen]

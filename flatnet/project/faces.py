@@ -10,8 +10,9 @@ from itertools import pairwise
 import numpy as np
 import yaml
 
-from flatnet.parameters import FairParameters, MultiLoopParameters
+from flatnet.parameters import FittingParameters
 from flatnet.project.model import CurveSpec, Floats, OpeningSpec, PatchSpec, Problem, SignedCurve
+from flatnet.project.parameters import read_fitting
 from flatnet.project.section import Section
 from flatnet.project.values import (
     NAME,
@@ -23,29 +24,26 @@ from flatnet.project.values import (
     length_in,
     nearest,
     number,
-    one_of,
     scalar,
     wrong,
 )
 from flatnet.project.yaml_nodes import mark_of
 
-_PATCH_KEYS = ("around", "material", "cut", "mirrored", "grain", "edge_length", "min_angle", "method")
+_PATCH_KEYS = ("around", "material", "cut", "mirrored", "grain", "edge_length", "min_angle", "fitting")
 _SIGNED = re.compile(rf"(-?)({NAME})(?::({NAME})\.\.({NAME}))?")
 _MOST_COPIES = 1000
 Loops = tuple[tuple[SignedCurve, ...], ...]
-Method = FairParameters | MultiLoopParameters
 
 
 @dataclass(frozen=True, eq=False)
 class FaceSetting:
-    """What the rest of the file means for its patches: unit, edge length (mm), curves, materials, methods."""
+    """What the rest of the file means for its patches: unit, edge length (mm), curves, materials, fitting."""
 
     mm_per_unit: float
     edge_length: float
     curves: Mapping[str, CurveSpec]
     materials: tuple[str, ...]
-    method: str
-    methods: Mapping[str, Method]
+    fitting: FittingParameters
 
 
 def stretches(curve: CurveSpec) -> list[tuple[str, str]]:
@@ -89,7 +87,6 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
     if cut == mirrored == 0:
         section.problem(section.values["cut"], "nothing is cut: give 'mirrored' too, or make it an opening")
     up: Floats | None = _UP
-    method = section.get("method", one_of(*setting.methods), setting.method)
     return PatchSpec(
         name=key,
         loops=loops,
@@ -101,7 +98,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
             "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
         ),
         min_angles=_min_angles(section, loops if complete else (), setting.curves),
-        method=setting.methods[method],
+        fitting=read_fitting(section, setting.fitting),
         mark=section.mark,
     )
 

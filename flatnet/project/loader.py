@@ -3,20 +3,19 @@
 from __future__ import annotations
 
 import os
-from dataclasses import fields
 from pathlib import Path
-from typing import Literal, TypeVar, cast
+from typing import Literal, cast
 
 import numpy as np
 import yaml
 
-from flatnet.parameters import METHODS, FairParameters, MultiLoopParameters, NestingParameters
+from flatnet.parameters import FairParameters, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves, read_nodes
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.model import FormSurface, Material, MeshSurface, Problem, Project, ProjectError
+from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
 from flatnet.project.section import Section
 from flatnet.project.values import (
-    Parser,
     WrongValueError,
     between,
     integer,
@@ -56,8 +55,6 @@ _DEFAULT_MATERIAL = Material("default", width=1500.0)
 #: chord_tolerance where the file says none, in edge lengths.
 _CHORD_TOLERANCE = 1.0 / 50.0
 
-Parameters = TypeVar("Parameters", bound=FairParameters | MultiLoopParameters | NestingParameters)
-
 
 def load_project(path: str | Path) -> Project:
     """Read and check a project file.
@@ -94,8 +91,8 @@ def _project(file: Path, top: Section) -> Project:
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
     materials = _materials(top.section("materials", None), mm_per_unit)
-    method, methods = _fitting(top)
-    face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), method, methods)
+    fitting = read_fitting(top, FairParameters())
+    face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), fitting)
     patches = read_patches(top.section("patches", None), face_setting)
     openings = read_openings(top.section("openings", None), curves)
     rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
@@ -114,7 +111,7 @@ def _project(file: Path, top: Section) -> Project:
         openings=openings,
         rest_is_open=rest_is_open,
         materials=materials,
-        nesting=_parameters(top.section("nesting", _names(NestingParameters)), NestingParameters),
+        nesting=read_parameters(top.section("nesting", parameter_names(NestingParameters)), NestingParameters()),
     )
 
 
@@ -202,40 +199,3 @@ def _rotations(section: Section) -> tuple[float, ...] | None:
         section.problem(node, "rotations: names no angle; 0 keeps pieces as their grain lies")
     angle = between(number, -360.0, 360.0)
     return tuple(section.read(label, item, angle, 0.0) for label, item in items)
-
-
-def _fitting(top: Section) -> tuple[str, dict[str, FairParameters | MultiLoopParameters]]:
-    """The file's method, and the parameters of every method: those of the file for its own."""
-    every = {key for cls in METHODS.values() for key in _names(cls)}
-    section = top.section("fitting", {"method", *every})
-    method = section.get("method", one_of(*METHODS), "fair")
-    known = ("method", *_names(METHODS[method]))
-    for key in [key for key in section.values if key not in known]:
-        owner = next(other for other, cls in METHODS.items() if key in _names(cls))
-        message = f"{key!r} belongs to method {owner!r}, but the method is {method!r}"
-        section.problem(section.keys[key], message)
-    methods = {each: cls() for each, cls in METHODS.items()}
-    methods[method] = _parameters(section, METHODS[method])
-    return method, methods
-
-
-def _names(cls: type) -> tuple[str, ...]:
-    return tuple(field.name for field in fields(cls))
-
-
-def _parameters(section: Section, cls: type[Parameters]) -> Parameters:
-    """The dataclass `cls` with the values that the section gives; what it says against them is noted."""
-    given: dict[str, float] = {}
-    for field in fields(cls):
-        if field.name in section.values:
-            parse: Parser[float] = integer if isinstance(field.default, int) else number
-            given[field.name] = section.get(field.name, parse, cast(float, field.default))
-    while True:
-        try:
-            return cls(**given)  # type: ignore[arg-type]
-        except ValueError as error:
-            culprit = str(error).split()[0]
-            section.problem(section.values.get(culprit, section.mark), str(error))
-            if culprit not in given:  # a default that a given value has put out of range
-                return cls()
-            del given[culprit]

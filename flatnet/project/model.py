@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flatnet.parameters import FairParameters, MultiLoopParameters, NestingParameters
+from flatnet.parameters import FittingParameters, NestingParameters
 
 Floats = NDArray[np.float64]
 
@@ -158,7 +158,7 @@ class PatchSpec:
     loops : one tuple of signed curves per boundary loop (more than one: not a disk).
     grain : unit (3,) or None.
     min_angles : node name -> rad.
-    method : fitting parameters of this patch.
+    fitting : the method of this patch, as its parameters.
     """
 
     name: str
@@ -169,7 +169,7 @@ class PatchSpec:
     grain: Floats | None
     edge_length: float
     min_angles: Mapping[str, float]
-    method: FairParameters | MultiLoopParameters
+    fitting: FittingParameters
     mark: Mark
 
 

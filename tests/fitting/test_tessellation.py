@@ -84,6 +84,7 @@ OUTLINES = {
     "uneven, coarse inside": (uneven(2), 0.8, 25),
     "fine boundary": (circle(400), 0.5, 25),
     "coarse boundary": (divided([(-5, -3), (5, -3), (5, 3), (-5, 3)], 2.0), 0.4, 20),
+    "wide edges": (divided([(-5, -0.7), (5, -0.7), (5, 0.7), (-5, 0.7)], 3), 3.0, 10),
     "triangle": (divided([(0, 0), (2, 0), (1, 1.7)], 9), 1.0, 8),
     "quadrilateral": (divided([(-1, -1), (1.5, -1), (1, 1), (-1, 0.4)], 9), 1.0, 10),
     "twelve edges": (circle(12, 1.9), 1.0, 30),
@@ -171,7 +172,7 @@ def asymmetric():
 
 
 @pytest.mark.parametrize("outline", [uneven(1), hook() / 4, asymmetric()], ids=["uneven", "hook", "polygon"])
-@pytest.mark.parametrize("change", ["start", "scale", "mirror", "half turn", "round-off"])
+@pytest.mark.parametrize("change", ["start", "scale", "mirror", "round-off"])
 def test_the_same_outline_gets_the_same_mesh(outline, change):
     start, scale, signs = 0, 1.0, np.ones(2)
     changed = outline
@@ -184,9 +185,6 @@ def test_the_same_outline_gets_the_same_mesh(outline, change):
     elif change == "mirror":
         signs = np.array([1.0, -1.0])
         changed = (outline * signs)[::-1]
-    elif change == "half turn":
-        signs = -signs
-        changed = -outline
     else:
         changed = outline * (1 + 1e-13 * np.random.default_rng(0).normal(size=outline.shape))
     first, second = tessellated(outline, 0.12), tessellated(changed, 0.12 * scale)

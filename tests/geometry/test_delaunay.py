@@ -32,13 +32,18 @@ def test_flips_give_the_delaunay_triangulation():
     assert as_sets(flipped) == as_sets(Delaunay(positions).simplices)
 
 
-def test_points_on_one_circle_are_joined_alike_whatever_comes_first():
-    lattice = np.stack(np.meshgrid(np.arange(-3, 4), np.arange(-3, 4)), axis=-1).reshape(-1, 2) * 0.3 + 0.013
+def test_the_diagonals_of_squares_do_not_hang_on_where_they_start():
+    side = 8
+    number = np.arange(side * side).reshape(side, side)
+    positions = 0.3 * np.stack(np.meshgrid(np.arange(side), np.arange(side)), axis=-1).reshape(-1, 2)
+    a, b, c, d = number[:-1, :-1], number[:-1, 1:], number[1:, 1:], number[1:, :-1]
     found = []
     for seed in range(3):
-        positions, triangles = grown(lattice[np.random.default_rng(seed).permutation(len(lattice))])
-        flipped = delaunay_flips(positions, triangles, boundary_count=0)
-        found.append({frozenset(map(tuple, positions[t].round(9).tolist())) for t in flipped})
+        rising = np.random.default_rng(seed).integers(0, 2, a.shape).astype(bool)
+        first = np.stack([a, b, np.where(rising, c, d)], axis=-1).reshape(-1, 3)
+        second = np.stack([np.where(rising, a, b), c, d], axis=-1).reshape(-1, 3)
+        flipped = delaunay_flips(positions, np.concatenate([first, second]), boundary_count=0)
+        found.append(as_sets(flipped))
     assert found[0] == found[1] == found[2]
 
 

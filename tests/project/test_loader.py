@@ -101,8 +101,8 @@ def test_patches(tmp_path: Path) -> None:
     assert front.grain is not None and disk.grain is None
     np.testing.assert_allclose(front.grain, [0, 0.6, 0.8], rtol=1e-15)
     assert front.min_angles == {"no": np.radians(95.0)}
-    assert front.method == MultiLoopParameters()
-    assert disk.method == FairParameters(normal_weight=2.0, ramp_steps=20)
+    assert front.fitting == MultiLoopParameters()
+    assert disk.fitting == FairParameters(normal_weight=2.0, ramp_steps=20)
 
 
 def test_arrays_are_read_only(tmp_path: Path) -> None:
@@ -130,7 +130,7 @@ def test_defaults(tmp_path: Path) -> None:
     assert list(project.materials) == [project.patches["p"].material] == ["default"]
     grain = project.patches["p"].grain
     assert grain is not None and grain.tolist() == [0, 0, 1]
-    assert project.patches["p"].method == FairParameters()
+    assert project.patches["p"].fitting == FairParameters()
 
 
 UNITS = {"mm": 1, "cm": 10, "dm": 100, "m": 1000, "in": 25.4, "0.5": 0.5}
@@ -248,7 +248,7 @@ BAD = [
     ("ca]}", "ca], grain: down}", 10, 36, "expected 'up', 'none' or a direction"),
     ("ca]}", "ca], min_angle: {d: 90}}", 10, 41, "node 'd' is not on the boundary of the patch"),
     ("ca]}", "ca], min_angle: {a: 360}}", 10, 44, "must be between 0 and 360 degrees, got 360"),
-    ("ca]}", "ca], method: fast}", 10, 37, "expected 'fair' or 'multi_loop', got 'fast'"),
+    ("ca]}", "ca], fitting: {method: fast}}", 10, 47, "expected 'fair' or 'multi_loop', got 'fast'"),
     ("ca]}", "ca]}\nmaterials: {m: {gap: 1}}", 11, 13, "material 'm': 'width' is missing"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, gap: -1}}", 11, 32, "must not be less than 0, got -1"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: []}}", 11, 38, "names no angle"),

@@ -1,0 +1,119 @@
+"""Read what a build wrote: report, network, meshes and layouts, for whoever draws or looks at them."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, TypeVar
+
+import numpy as np
+
+from flatnet.export.drawn_layout import DrawnPiece, read_layout
+from flatnet.export.file_names import safe_file_names
+from flatnet.export.obj import read_obj
+from flatnet.export.output import REPORT, REPORT_FORMAT
+from flatnet.fitting.results import Floats, Ints, SurfaceMesh
+
+_Content = TypeVar("_Content")
+
+
+class BuildFilesError(Exception):
+    """A folder holds no whole build."""
+
+
+@dataclass(frozen=True, eq=False)
+class BuiltPatch:
+    """The written meshes of one patch; `flat`, (m, 2) float, mm, belongs to `mesh`."""
+
+    name: str
+    warped: SurfaceMesh
+    mesh: SurfaceMesh
+    flat: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class BuildFiles:
+    """The content of a build's folder.
+
+    Attributes
+    ----------
+    report, network : report.json and network.json (docs/report.md).
+    patches : those that were fitted, in the order of the report.
+    sheets : file of a layout -> its pieces.
+    """
+
+    report: dict[str, Any]
+    network: dict[str, Any]
+    patches: tuple[BuiltPatch, ...]
+    sheets: dict[str, list[DrawnPiece]]
+
+
+def read_build(folder: Path) -> BuildFiles:
+    """Read the written files of a build.
+
+    Raises
+    ------
+    BuildFilesError
+        There is no build in the folder, or a file of it is missing or is not what a build wrote.
+    """
+    if not folder.is_dir():
+        raise BuildFilesError(f"{folder}: no such folder; name the output folder of a build")
+    if not (folder / REPORT).is_file():
+        raise BuildFilesError(f"{folder}: holds no {REPORT} of a build; run `flatnet build` into it first")
+    report = _read(folder / REPORT, _object)
+    if report.get("format") != REPORT_FORMAT:
+        raise BuildFilesError(
+            f"{folder / REPORT}: its format is {report.get('format')!r}, not {REPORT_FORMAT!r}; build again"
+        )
+    try:
+        names = safe_file_names(record["name"] for record in report["patches"])
+        files = set(report["files"])
+        layouts = [record["file"] for record in report["layouts"]]
+    except (KeyError, TypeError) as error:
+        raise BuildFilesError(f"{folder / REPORT}: incomplete, {error}; build again") from None
+    return BuildFiles(
+        report=report,
+        network=_read(folder / "network.json", _object),
+        patches=tuple(
+            _patch(folder / "patches", name, file)
+            for name, file in names.items()
+            if f"patches/{file}.obj" in files
+        ),
+        sheets={file: _read(folder / file, read_layout) for file in layouts},
+    )
+
+
+def _patch(folder: Path, name: str, file: str) -> BuiltPatch:
+    vertices, triangles, flat = _read(folder / f"{file}.obj", read_obj)
+    warped, warped_triangles, _ = _read(folder / f"{file}.initial.obj", read_obj)
+    return BuiltPatch(
+        name=name,
+        warped=SurfaceMesh(warped, warped_triangles, _boundary_count(warped_triangles)),
+        mesh=SurfaceMesh(vertices, triangles, _boundary_count(triangles)),
+        flat=flat,
+    )
+
+
+def _boundary_count(triangles: Ints) -> int:
+    """How many vertices lie on edges of one triangle only: n, as the boundary's vertices stand first."""
+    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges, count = np.unique(edges, axis=0, return_counts=True)
+    return len(np.unique(edges[count == 1]))
+
+
+def _object(path: Path) -> dict[str, Any]:
+    content = json.loads(path.read_text(encoding="utf-8"))
+    if not isinstance(content, dict):
+        raise ValueError("it holds no object")
+    return content
+
+
+def _read(path: Path, reader: Callable[[Path], _Content]) -> _Content:
+    try:
+        return reader(path)
+    except OSError as error:
+        raise BuildFilesError(f"{path}: can't be read: {error.strerror}; build again") from None
+    except ValueError as error:
+        raise BuildFilesError(f"{path}: {error}; build again") from None
