@@ -13,6 +13,8 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 from flatnet.build import BuildResult, build, check
 from flatnet.export.output import OutputError
 from flatnet.project import ProjectError
+from flatnet.report.build_files import BuildFilesError
+from flatnet.report.pictures import PictureError, draw
 from flatnet.report.summary import network_lines, summary_lines
 from flatnet.version import VERSION
 
@@ -27,6 +29,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             project, network = check(options.project)
             print("\n".join(network_lines(project, network)))
             return 1 if network.failed else 0
+        if options.command == "draw":
+            print(draw(options.folder, options.picture))
+            return 0
         result = _build(options.project, options.out)
         print("\n".join(summary_lines(result.report, result.folder)))
         return result.exit_status
@@ -34,7 +39,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         print(error, file=sys.stderr)
         print(f"{len(error.problems)} problem(s); nothing was written.", file=sys.stderr)
         return EXIT_INVALID
-    except OutputError as error:
+    except (OutputError, BuildFilesError, PictureError) as error:
         print(error, file=sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
@@ -56,6 +61,10 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("project", type=Path, metavar="PROJECT.yaml")
         if name == "build":
             command.add_argument("-o", "--out", type=Path, default=Path("out"), help="output folder (default: out)")
+    text = "draw the network, the patches and the layouts of a build on one PNG (needs flatnet[pictures])"
+    command = commands.add_parser("draw", help=text, description=text)
+    command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
+    command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="(default: OUT.png)")
     return parser
 
 

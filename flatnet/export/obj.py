@@ -46,8 +46,11 @@ def read_obj(path: Path) -> tuple[Floats, Ints, Floats]:
             rows[kind].append(fields)
     corners = np.array([[corner.split("/") for corner in face] for face in rows["f"]], np.int64) - 1
     vertices, flat = np.array(rows["v"], float), np.array(rows["vt"], float)
-    if corners.shape[1:] != (3, 2) or (corners[..., 0] != corners[..., 1]).any():
-        raise ValueError("not an OBJ of flatnet: its faces are to be triangles `v/vt` with v = vt")
-    if vertices.shape[1:] != (3,) or flat.shape != (len(vertices), 2) or not 0 <= corners.min() <= corners.max() < len(flat):
-        raise ValueError("not an OBJ of flatnet: it needs one `vt` for each `v`, and faces between them")
-    return vertices, corners[..., 0].copy(), flat
+    triangles = corners[..., 0].copy() if corners.ndim == 3 else np.empty((0, 3), np.int64)
+    if not len(triangles) or corners.shape[1:] != (3, 2) or (corners[..., 0] != corners[..., 1]).any():
+        raise ValueError("not an OBJ of flatnet: its faces are to be triangles of corners `v/vt` with v = vt")
+    if vertices.shape[1:] != (3,) or flat.shape != (len(vertices), 2):
+        raise ValueError("not an OBJ of flatnet: it has not one `vt x y` for each `v x y z`")
+    if triangles.min() < 0 or triangles.max() >= len(vertices):
+        raise ValueError("not an OBJ of flatnet: a face names a vertex that is not there")
+    return vertices, triangles, flat

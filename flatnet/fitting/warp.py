@@ -27,9 +27,10 @@ def warp(planar: PlanarMesh, boundary: BoundaryCurve, cross_tangents: bool = Tru
     """Carry M^p to M^0, which interpolates B and approximates its normals.
 
     A triharmonic RBF takes constraint points on and around the planar boundary to their partners on B: the
-    vertices, mid-edge points lifted by tau / 2 along the normals, and mid-edge points moved out and in by
-    tau / 2 along the cross-tangents (T_out, T_in; their planar partners are moved across B^p as far, which
-    the paper leaves out). tau is the mean edge length of M^p.
+    vertices, mid-edge points lifted by tau / 2 along the normals and as far against them, and mid-edge points
+    moved out and in by tau / 2 along the cross-tangents (T_out, T_in; their planar partners are moved across B^p
+    as far, which the paper leaves out). tau is the mean edge length of M^p. The paper lifts to one side only;
+    with both a patch and the same patch seen from the other side have one M^0.
 
     Parameters
     ----------
@@ -57,15 +58,15 @@ def warp(planar: PlanarMesh, boundary: BoundaryCurve, cross_tangents: bool = Tru
 def constraint_points(
     outline: Floats, boundary: BoundaryCurve, tau: float, cross_tangents: bool
 ) -> tuple[Floats, Floats]:
-    """V^p and V of Eq. 3, (k, 3) each: vertices, lifted points, then T_out and T_in."""
+    """V^p and V of Eq. 3, (k, 3) each: vertices, points lifted to both sides, then T_out and T_in."""
     flat = np.column_stack([outline, np.zeros(len(outline))])
     flat_edge = np.roll(flat, -1, axis=0) - flat
     edge = np.roll(boundary.vertices, -1, axis=0) - boundary.vertices
     flat_middle, middle = flat + 0.5 * flat_edge, boundary.vertices + 0.5 * edge
     up = np.array([0.0, 0.0, 1.0])
     reach = 0.5 * tau
-    sources = [flat, flat_middle + reach * up]
-    targets = [boundary.vertices, middle + reach * boundary.normals]
+    sources = [flat, flat_middle + reach * up, flat_middle - reach * up]
+    targets = [boundary.vertices, middle + reach * boundary.normals, middle - reach * boundary.normals]
     if cross_tangents:
         flat_out = np.cross(unit(flat_edge), up)
         out = np.cross(unit(edge), boundary.normals)
@@ -80,7 +81,8 @@ def _merge(sources: Floats, targets: Floats, distance: float, fixed: int) -> tup
     A point near a boundary vertex is dropped for it; others become their average, and so do their partners.
     """
     leader = np.arange(len(sources))
-    for a, b in np.array(sorted(cKDTree(sources).query_pairs(distance)), dtype=np.int64).reshape(-1, 2):
+    pairs = cKDTree(sources).query_pairs(distance, output_type="ndarray")
+    for a, b in pairs[np.lexsort(pairs.T[::-1])]:
         if b >= fixed:
             leader[b] = min(leader[b], leader[a])
     merged_sources, merged_targets = [], []

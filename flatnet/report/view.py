@@ -19,7 +19,7 @@ BODY = 0.5
 #: In the camera's frame (to the right, up, towards the viewer): from above left.
 LIGHT = unit(np.array([-0.5, 0.6, 0.65]))
 #: Part of the light that a face turned away from it still gets.
-AMBIENT = 0.35
+AMBIENT = 0.42
 
 
 @dataclass(frozen=True)

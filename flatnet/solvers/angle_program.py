@@ -99,8 +99,8 @@ def solve_angle_program(
     n = len(predicted)
     program = _Program(predicted, lengths / lengths.sum(), lower, upper)
     solution = _descend(program, predicted, max_steps)
-    enough_room = lower.sum() <= (n - 2) * np.pi + CLOSED_TURN * n <= upper.sum() + 2 * CLOSED_TURN * n
-    if solution.status is not AngleStatus.CONVERGED and enough_room:
+    room = lower.sum() - CLOSED_TURN * n <= (n - 2) * np.pi <= upper.sum() + CLOSED_TURN * n
+    if solution.status is not AngleStatus.CONVERGED and room:
         convex = replace(program, upper=np.minimum(upper, np.maximum(lower, np.pi)))
         start = _descend(convex, lower, max_steps)
         second = _descend(program, start.angles, max_steps)

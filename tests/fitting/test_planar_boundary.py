@@ -1,4 +1,4 @@
-"""B^p: congruent for planar curves, the unrolled curve on developables, free of frame and first vertex, its failures."""
+"""B^p: congruent for planar curves, unrolled on developables, free of frame and first vertex; its failures."""
 
 import numpy as np
 import pytest
@@ -180,6 +180,15 @@ def test_the_frame_lies_along_the_longer_side_of_a_rectangle():
     for angle in np.linspace(0, TURN, 7):
         c, s = np.cos(angle), np.sin(angle)
         assert np.abs(canonical_frame(corners @ [[c, s], [-s, c]])) == pytest.approx(np.abs(corners), abs=1e-12)
+
+
+@pytest.mark.parametrize("shift", range(4))
+def test_the_frame_of_a_mirror_symmetric_shape_has_one_sense(shift):
+    """No third moment along x: that of y decides, not round-off."""
+    trapezium = np.array([[-3, 0], [3, 0], [2, 1], [-2, 1]]) * 10.0
+    c, s = np.cos(1.0 + 2.0 * shift), np.sin(1.0 + 2.0 * shift)
+    framed = np.roll(canonical_frame(np.roll(trapezium, shift, axis=0) @ [[c, s], [-s, c]]), -shift, axis=0)
+    assert framed == pytest.approx(canonical_frame(trapezium), abs=1e-12)
 
 
 def test_lemma_2_never_fires_on_closed_polygons():

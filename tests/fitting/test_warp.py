@@ -70,10 +70,12 @@ def test_coinciding_constraint_points_at_a_right_angle_do_no_harm():
     assert np.abs(mesh.vertices[:, 2]).max() < 1e-6  # ... and the square stays a square
 
 
-def test_repeated_boundary_vertices_are_refused():
-    """A planar mesh that is a line: all constraint points of the vertices coincide in pairs with wrong partners."""
-    boundary, _ = case("cap", 40)
-    collapsed = PlanarMesh(np.zeros((40, 2)), np.array([[0, 1, 2]]), 40)
+def test_an_outline_that_touches_itself_is_refused():
+    """Two boundary vertices at one place of the plane that belong to two places in space."""
+    boundary, edge_length = case("cap", 40)
+    planar = planar_mesh(boundary, edge_length)
+    positions = planar.positions.copy()
+    positions[20] = positions[0]
     with pytest.raises(PatchFailure) as failure:
-        warp(collapsed, boundary)
+        warp(PlanarMesh(positions, planar.triangles, 40), boundary)
     assert failure.value.finding.code == "warp_singular"
