@@ -124,7 +124,7 @@ def _check_folds(mesh: FlattenableMesh) -> None:
 
 
 def _check_outline(outline: np.ndarray, boundary: BoundaryCurve) -> None:
-    crossings = polygon_crossings(outline)
+    crossings = polygon_crossings(outline, boundary.vertices)
     if not crossings:
         return
     i, s, j, t = crossings[0]

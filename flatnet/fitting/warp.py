@@ -17,6 +17,8 @@ Floats = NDArray[np.float64]
 #: Constraint points nearer to each other than this part of tau are merged: at a right-angled corner the T_in of
 #: both edges coincide, and the system would be singular.
 MERGE_DISTANCE = 0.1
+#: Boundary vertices nearer than this part of tau, in the plane and in space, are one point.
+SAME_POINT = 1e-6
 #: Below this reciprocal condition the solution has no digit left.
 SINGULAR = 1e-15
 #: B must be interpolated to this part of its size, and M^0 must stay within this many sizes of it.
@@ -46,7 +48,7 @@ def warp(planar: PlanarMesh, boundary: BoundaryCurve, cross_tangents: bool = Tru
     tau = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
     outline = planar.positions[: planar.boundary_count]
     sources, targets = constraint_points(outline, boundary, tau, cross_tangents)
-    sources, targets = _merge(sources, targets, MERGE_DISTANCE * tau, fixed=len(outline))
+    sources, targets = _merge(sources, targets, tau, fixed=len(outline))
     mapping = fit_triharmonic(sources, targets)
     flat = np.column_stack([planar.positions, np.zeros(len(planar.positions))])
     vertices = mapping(flat)
@@ -75,16 +77,22 @@ def constraint_points(
     return np.concatenate(sources), np.concatenate(targets)
 
 
-def _merge(sources: Floats, targets: Floats, distance: float, fixed: int) -> tuple[Floats, Floats]:
-    """One point for every cluster of sources nearer than `distance`; the first `fixed` are never moved.
+def _merge(sources: Floats, targets: Floats, tau: float, fixed: int) -> tuple[Floats, Floats]:
+    """One point for every cluster of sources nearer than `MERGE_DISTANCE` tau.
 
-    A point near a boundary vertex is dropped for it; others become their average, and so do their partners.
+    The first `fixed`, boundary vertices, are not moved: a point near one is dropped for it, and of two vertices
+    at one place with one partner (the sides of a closed slit) the first stays. Others become their average, and
+    so do their partners.
     """
+    pairs = cKDTree(sources).query_pairs(MERGE_DISTANCE * tau, output_type="ndarray")
+    pairs = np.sort(pairs, axis=1)
+    apart = np.maximum(
+        *(np.linalg.norm(points[pairs[:, 0]] - points[pairs[:, 1]], axis=1) for points in (sources, targets))
+    )
+    pairs = pairs[(pairs[:, 1] >= fixed) | (apart <= SAME_POINT * tau)]
     leader = np.arange(len(sources))
-    pairs = cKDTree(sources).query_pairs(distance, output_type="ndarray")
     for a, b in pairs[np.lexsort(pairs.T[::-1])]:
-        if b >= fixed:
-            leader[b] = min(leader[b], leader[a])
+        leader[b] = min(leader[b], leader[a])
     merged_sources, merged_targets = [], []
     for first in np.unique(leader):
         members = np.flatnonzero(leader == first) if first >= fixed else np.array([first])

@@ -17,8 +17,9 @@ from flatnet.project.model import CurveSpec, PatchSpec, Problem
 Floats = NDArray[np.float64]
 
 #: sum(alpha) - (n - 2) pi of a boundary that winds once is the total curvature of its patch, rad; of a figure
-#: eight it is 2 pi more, of a loop run clockwise 4 pi.
-LARGEST_WINDING_EXCESS = 4.0
+#: eight it is 2 pi more, of a loop run clockwise 4 pi, of one run twice 2 pi less. Patches that can be fitted lie
+#: between -4.4 (a deep saddle) and 2.7.
+LEAST_WINDING_EXCESS, LARGEST_WINDING_EXCESS = -5.5, 4.0
 #: A normal that turns farther than this about the boundary from one edge to the next has changed side, rad;
 #: less is a sharp fold across the boundary.
 SIDE_CHANGE = np.radians(120.0)
@@ -124,7 +125,7 @@ def _winding(spec: PatchSpec, boundary: BoundaryCurve) -> Finding | None:
     """`not_disk` where the boundary does not wind once round its patch."""
     alpha, _ = predicted_angles(boundary.vertices, boundary.normals)
     excess = float(alpha.sum() - (len(alpha) - 2) * np.pi)
-    if abs(excess) <= LARGEST_WINDING_EXCESS:
+    if LEAST_WINDING_EXCESS <= excess <= LARGEST_WINDING_EXCESS:
         return None
     turns = round(1.0 - excess / (2.0 * np.pi))
     reason, remedy = (
@@ -141,7 +142,7 @@ def _winding(spec: PatchSpec, boundary: BoundaryCurve) -> Finding | None:
         message=(
             f"its boundary should wind once, anticlockwise seen against its normals, but {reason}: the sum "
             f"of the predicted angles is {excess:+.2f} rad off that of a planar outline, "
-            f"limit {LARGEST_WINDING_EXCESS:g}."
+            f"limits {LEAST_WINDING_EXCESS:g} and {LARGEST_WINDING_EXCESS:g}."
         ),
         remedy=remedy,
     )

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import textwrap
 from collections.abc import Sequence
+from io import BytesIO
 
 import numpy as np
 from matplotlib import style
@@ -14,6 +15,7 @@ from matplotlib.figure import Figure
 from flatnet.report.build_files import BuildFiles
 from flatnet.report.panels import COLOURS, POINT, RED, Panel, panels_of
 
+RESOLUTION = 150  # dots per inch
 WIDTH = 14.0  # inches, as are all lengths here
 #: Height over width of the rows together; they are broken to come near it.
 PROPORTION = 0.58
@@ -21,24 +23,30 @@ TALLEST_ROW = 7.5
 GAP, MARGIN, HEAD, CAPTION = 0.25, 0.25, 0.6, 0.5
 #: Points of a caption; a letter is about 0.58 as wide.
 CAPTION_SIZE = 9.0
+LEAST_LETTERS = 16
 
 
-def contact_sheet(build: BuildFiles) -> Figure:
-    """The figure; the same build gives the same one whatever matplotlib's settings are."""
-    panels = panels_of(build)
+def contact_sheet(build: BuildFiles) -> bytes:
+    """The sheet as a PNG; the same build gives the same one whatever matplotlib's settings are."""
+    content = BytesIO()
+    with style.context("default"):
+        _figure(panels_of(build), build).savefig(content, dpi=RESOLUTION, format="png")
+    return content.getvalue()
+
+
+def _figure(panels: Sequence[Panel], build: BuildFiles) -> Figure:
     rows = break_rows([panel.aspect for panel in panels])
     height = 2.0 * MARGIN + HEAD + sum(row_height + CAPTION for _, row_height in rows) + GAP * (len(rows) - 1)
-    with style.context("default"):
-        figure = Figure(figsize=(WIDTH, height), facecolor="white")
-        _add_head(figure, build)
-        top, remaining = height - MARGIN - HEAD, iter(panels)
-        for count, row_height in rows:
-            left = MARGIN
-            for _ in range(count):
-                panel = next(remaining)
-                _add_panel(figure, panel, left, top - CAPTION, row_height)
-                left += panel.aspect * row_height + GAP
-            top -= CAPTION + row_height + GAP
+    figure = Figure(figsize=(WIDTH, height), facecolor="white")
+    _add_head(figure, build)
+    top, remaining = height - MARGIN - HEAD, iter(panels)
+    for count, row_height in rows:
+        left = MARGIN
+        for _ in range(count):
+            panel = next(remaining)
+            _add_panel(figure, panel, left, top - CAPTION, row_height)
+            left += panel.aspect * row_height + GAP
+        top -= CAPTION + row_height + GAP
     return figure
 
 
@@ -83,8 +91,10 @@ def _add_panel(figure: Figure, panel: Panel, left: float, top: float, height: fl
     axes.set_ylim(*((panel.high[1], panel.low[1]) if panel.y_down else (panel.low[1], panel.high[1])))
     panel.paint(axes, width / float(panel.high[0] - panel.low[0]) / POINT)
     letters = int(width / (0.58 * CAPTION_SIZE * POINT))
-    caption = textwrap.fill(panel.caption, max(letters, 12))
-    figure.text(left / page[0], (top + 0.08) / page[1], caption, fontsize=CAPTION_SIZE, va="bottom")
+    caption = textwrap.fill(panel.caption, max(letters, LEAST_LETTERS))
+    # A caption wider than its panel goes to the left, where there is always paper.
+    x, side = (left, "left") if letters >= LEAST_LETTERS else (left + width, "right")
+    figure.text(x / page[0], (top + 0.08) / page[1], caption, fontsize=CAPTION_SIZE, va="bottom", ha=side)
 
 
 def _add_head(figure: Figure, build: BuildFiles) -> None:

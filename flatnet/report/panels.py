@@ -82,7 +82,7 @@ def panels_of(build: BuildFiles) -> list[Panel]:
         network_panel(curves, first),
         flattenability_panel(f"warped, M⁰: worst {warped.flattenability.max():.1g} rad", warped, first),
         flattenability_panel(f"fitted, M: worst {fitted.flattenability.max():.0e} rad", fitted, first),
-        shaded_panel("fitted, shaded", fitted, first),
+        shaded_panel("fitted, the inside brown", fitted, first),
     ]
     low = np.min([panel.low for panel in alike], axis=0)
     high = np.max([panel.high for panel in alike], axis=0)
@@ -138,9 +138,11 @@ def _scale_bar(axes: Axes) -> None:
     most = 0.4 * (right - left)
     power = 10.0 ** np.floor(np.log10(most))
     length = power * max(step for step in (1.0, 2.0, 5.0) if step * power <= most)
-    grey = "#555555"
-    axes.plot([left, left + length], [bottom, bottom], color=grey, linewidth=1.5, clip_on=False)
-    axes.annotate(f"{length:g} mm", (left, bottom), (0, 3), textcoords="offset points", fontsize=7, color=grey)
+    axes.plot([left, left + length], [bottom, bottom], color="#555555", linewidth=1.5, clip_on=False)
+    axes.annotate(
+        f"{length:g} mm", (left, bottom), (0, -3), textcoords="offset points",
+        va="top", fontsize=7, color="#555555",
+    )  # fmt: skip
 
 
 def flattenability_panel(caption: str, surface: Surface, camera: Camera) -> Panel:
@@ -226,10 +228,10 @@ def _name(piece: DrawnPiece, scale: float) -> Label:
     places = places[np.argsort(np.linalg.norm(places - centre, axis=1), kind="stable")]
     for size in NAME_SIZES:
         for lines in texts:
-            for place in places:
-                label = Label(lines, place.copy(), np.array([1.0, 0.0]), size)
-                if free.covers(label.box):
-                    return label
+            half = np.array(Label(lines, np.zeros(2), np.array([1.0, 0.0]), size).box.bounds[2:])
+            fits = shapely.covers(free, shapely.box(*(places - half).T, *(places + half).T))
+            if fits.any():
+                return Label(lines, places[np.argmax(fits)], np.array([1.0, 0.0]), size)
     return max((name_label(lines, free) for lines in texts), key=lambda label: label.height)
 
 

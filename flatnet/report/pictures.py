@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
-from io import BytesIO
 from pathlib import Path
 
 from flatnet.report.build_files import read_build
-
-RESOLUTION = 150  # dots per inch
 
 
 class PictureError(Exception):
@@ -41,10 +38,9 @@ def draw(folder: str | Path, picture: str | Path | None = None) -> Path:
         if not (error.name or "").startswith("matplotlib"):
             raise
         raise PictureError("drawing needs matplotlib: pip install flatnet[pictures]") from None
-    content = BytesIO()
-    contact_sheet(build).savefig(content, dpi=RESOLUTION, format="png")
+    content = contact_sheet(build)
     try:
-        picture.write_bytes(content.getvalue())
+        picture.write_bytes(content)
     except OSError as error:
         raise PictureError(f"{picture}: can't be written: {error.strerror}") from None
     return picture
