@@ -61,10 +61,10 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("project", type=Path, metavar="PROJECT.yaml")
         if name == "build":
             command.add_argument("-o", "--out", type=Path, default=Path("out"), help="output folder (default: out)")
-    text = "draw the network, the patches and the layouts of a build on one PNG (needs flatnet[pictures])"
+    text = "draw the network, patches and layouts of a build as one PNG (needs flatnet[pictures])"
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
-    command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="(default: OUT.png)")
+    command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="default: OUT.png")
     return parser
 
 

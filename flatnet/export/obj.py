@@ -28,11 +28,11 @@ def write_obj(path: Path, vertices: Floats, triangles: Ints, flat: Floats) -> No
 
 
 def read_obj(path: Path) -> tuple[Floats, Ints, Floats]:
-    """Read what `write_obj` wrote: vertices (m, 3) and flat coordinates (m, 2), mm, and triangles (t, 3) between them.
+    """Read what `write_obj` wrote.
 
     Returns
     -------
-    vertices, triangles, flat : in the order of `write_obj`.
+    vertices, triangles, flat : (m, 3) float, (t, 3) int, (m, 2) float; mm.
 
     Raises
     ------

@@ -87,10 +87,11 @@ def _on_sheets(copies: Sequence[Copy], material: Material, engine: Engine) -> tu
     Every piece fits the length in every rotation that an engine is offered, so the first piece of a sheet
     always stays on it.
     """
+    names = list(dict.fromkeys(copy.piece.name for copy in copies))
     sheets: list[Layout] = []
     rest = list(copies)
     while rest:
-        placements = engine(rest)
+        placements = sorted(engine(rest), key=lambda placement: (names.index(placement.piece.name), placement.copy))
         if material.length is not None:
             limit = material.length + 0.5 * TOLERANCE
             placements = [p for p in placements if p.place(p.piece.cut_line)[:, 0].max() <= limit]

@@ -98,7 +98,7 @@ def _patch(folder: Path, name: str, file: str) -> BuiltPatch:
 
 def _boundary_count(triangles: Ints) -> int:
     """How many vertices lie on edges of one triangle only: n, as the boundary's vertices stand first."""
-    edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+    edges = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
     edges, count = np.unique(edges, axis=0, return_counts=True)
     return len(np.unique(edges[count == 1]))
 

@@ -36,7 +36,8 @@ def contact_sheet(build: BuildFiles) -> bytes:
 
 def _figure(panels: Sequence[Panel], build: BuildFiles) -> Figure:
     rows = break_rows([panel.aspect for panel in panels])
-    height = 2.0 * MARGIN + HEAD + sum(row_height + CAPTION for _, row_height in rows) + GAP * (len(rows) - 1)
+    height = 2.0 * MARGIN + HEAD + sum(CAPTION + row_height for _, row_height in rows)
+    height += GAP * (len(rows) - 1)
     figure = Figure(figsize=(WIDTH, height), facecolor="white")
     _add_head(figure, build)
     top, remaining = height - MARGIN - HEAD, iter(panels)
@@ -116,9 +117,8 @@ def _add_head(figure: Figure, build: BuildFiles) -> None:
         figure.text(left, top - 0.58 / page[1], text, fontsize=9, va="top", color="#b00020", weight="bold")
     bar = figure.add_axes((right - 3.1 / page[0], top - 0.2 / page[1], 3.0 / page[0], 0.14 / page[1]))
     colours = ScalarMappable(Normalize(0.0, RED), COLOURS)
-    figure.colorbar(
-        colours, cax=bar, orientation="horizontal", extend="max", extendfrac=0.03, ticks=np.linspace(0.0, RED, 5)
-    )
+    ticks = np.linspace(0.0, RED, 5)
+    figure.colorbar(colours, cax=bar, orientation="horizontal", extend="max", extendfrac=0.03, ticks=ticks)
     bar.tick_params(labelsize=8, length=2)
     words = "flattenability |θ − 2π|, rad"
     figure.text(right - 3.2 / page[0], top - 0.13 / page[1], words, fontsize=9, ha="right", va="center")

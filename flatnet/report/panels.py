@@ -1,4 +1,4 @@
-"""What the picture of a build shows, one panel each: network, meshes by flattenability, shaded meshes, layouts.
+"""The panels of a build's picture: network, meshes by flattenability, shaded meshes, layouts.
 
 Meshes are projected and sorted by us, triangles and boundaries of all patches together, and handed over as
 plain polygons: matplotlib's 3D axes would sort every collection by itself.
@@ -24,7 +24,7 @@ from flatnet.export.svg import STROKES
 from flatnet.geometry.triangles import edges_of
 from flatnet.pattern.labels import Label, name_label
 from flatnet.report.build_files import BuildFiles, BuiltPatch
-from flatnet.report.view import Camera, Surface, cameras
+from flatnet.report.view import FROM_THE_FRONT, Camera, Surface, cameras
 
 Floats = NDArray[np.float64]
 
@@ -74,7 +74,7 @@ def panels_of(build: BuildFiles) -> list[Panel]:
     """All panels of a build; those seen from the same direction have the same scale and place."""
     curves, layouts = build.network["curves"], build.report["layouts"]
     if not build.patches:
-        return [network_panel(curves, Camera(50.0, 12.0)), *(layout_panel(build, record) for record in layouts)]
+        return [network_panel(curves, FROM_THE_FRONT), *(layout_panel(build, record) for record in layouts)]
     warped = Surface.of([patch.warped for patch in build.patches])
     fitted = Surface.of([patch.mesh for patch in build.patches])
     first, second = cameras(fitted)
@@ -191,11 +191,17 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
     def paint(axes: Axes, scale: float) -> None:
         sheet = [np.array([[0, 0], [length, 0], [length, width], [0, width]])]
         axes.add_collection(PolyCollection(sheet, facecolors="#f4f1ea", edgecolors="#999999", clip_on=False))
-        cut, sew, grain = ([line for p in pieces for line in p.lines.get(k, [])] for k in ("cut", "sew", "grain"))
+        cut, sew, grain = (
+            [line for piece in pieces for line in piece.lines.get(kind, [])] for kind in ("cut", "sew", "grain")
+        )
         mesh = [edge for piece in pieces for edge in _flat_edges(piece, patches[piece.patch])]
-        axes.add_collection(PolyCollection(cut, facecolors="white", edgecolors=STROKES["cut"], linewidths=0.8))
+        axes.add_collection(
+            PolyCollection(cut, facecolors="white", edgecolors=STROKES["cut"], linewidths=0.8)
+        )
         axes.add_collection(LineCollection(mesh, colors="#c4cad6", linewidths=0.2, zorder=1))
-        axes.add_collection(PolyCollection(sew, facecolors="none", edgecolors=STROKES["sew"], linewidths=0.6))
+        axes.add_collection(
+            PolyCollection(sew, facecolors="none", edgecolors=STROKES["sew"], linewidths=0.6)
+        )
         axes.add_collection(LineCollection(grain, colors=STROKES["grain"], linewidths=0.7))
         halo = [withStroke(linewidth=1.5, foreground="white")]
         for piece in pieces:
@@ -223,8 +229,8 @@ def _name(piece: DrawnPiece, scale: float) -> Label:
     shapely.prepare(free)
     centre = shapely.get_coordinates(inside.centroid)[0]
     left, bottom, right, top = inside.bounds
-    places = np.stack(np.meshgrid(np.linspace(left, right, 11), np.linspace(bottom, top, 11)), axis=-1).reshape(-1, 2)
-    places = np.vstack([centre, places[shapely.contains_xy(free, places)]])
+    grid = np.meshgrid(np.linspace(left, right, 11), np.linspace(bottom, top, 11))
+    places = np.vstack([centre, np.stack(grid, axis=-1).reshape(-1, 2)])
     places = places[np.argsort(np.linalg.norm(places - centre, axis=1), kind="stable")]
     for size in NAME_SIZES:
         for lines in texts:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +14,7 @@ from flatnet.geometry.triangles import unit
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Length of the mean normal below which a surface counts as a body that one walks around; half a sphere has 0.5.
+#: Length of the mean normal below which a surface counts as a body that one walks round; half a sphere's is 0.5.
 BODY = 0.5
 #: In the camera's frame (to the right, up, towards the viewer): from above left.
 LIGHT = unit(np.array([-0.5, 0.6, 0.65]))
@@ -24,7 +24,7 @@ AMBIENT = 0.42
 
 @dataclass(frozen=True)
 class Camera:
-    """A parallel projection that keeps z upright; azimuth from +x towards +y, elevation over the floor, degrees."""
+    """A parallel projection, z upright; from azimuth (+x towards +y) and elevation over the floor, degrees."""
 
     azimuth: float
     elevation: float
@@ -40,6 +40,10 @@ class Camera:
     def project(self, points: Floats) -> Floats:
         """Points or directions (..., 3) in the camera's frame: to the right, up, nearness."""
         return points @ self.axes.T
+
+
+#: Three quarters from the front (+y), a little from above.
+FROM_THE_FRONT = Camera(50.0, 12.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -100,17 +104,20 @@ class Surface:
 def cameras(surface: Surface) -> tuple[Camera, Camera]:
     """Two ways to look at a surface: the first at its outside, the second at what the first can't show.
 
-    A sheet is seen along its mean normal, a little from above and from the side, then almost along itself, where
-    folds show. A body is seen three quarters from the front (+y), on the side where more of it is closed, then from
-    behind.
+    A sheet is seen along its mean normal, a little from above and from the side, then almost along itself,
+    where folds show. A body is seen three quarters from the front, on the side where more of it is closed, then
+    from behind.
     """
     area_vectors = surface.area_vectors
     x, y, z = area_vectors.sum(axis=0) / np.linalg.norm(area_vectors, axis=1).sum()
     if np.linalg.norm([x, y, z]) < BODY:
-        azimuth = 90.0 - 40.0 * (1.0 if x > -1e-6 else -1.0)  # a symmetric body's x is round-off
-        return Camera(azimuth, 12.0), Camera(azimuth + 180.0, 12.0)
+        front = FROM_THE_FRONT
+        if x < -1e-6:  # of a symmetric body it is round-off
+            front = replace(front, azimuth=180.0 - front.azimuth)
+        return front, replace(front, azimuth=front.azimuth + 180.0)
     across = float(np.hypot(x, y))
-    azimuth = float(np.degrees(np.arctan2(y, x))) if across > 0.3 else -90.0  # facing up: x to the right, as on a plan
+    # What faces up or down is seen with x to the right, as on a plan.
+    azimuth = float(np.degrees(np.arctan2(y, x))) if across > 0.3 else -90.0
     elevation = float(np.degrees(np.arctan2(z, across)))
     return (
         Camera(azimuth + 25.0, float(np.clip(elevation + 10.0, -50.0, 50.0))),
