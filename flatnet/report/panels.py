@@ -116,8 +116,8 @@ def network_panel(curves: Sequence[dict[str, Any]], camera: Camera) -> Panel:
         order = np.argsort(tails[:, 2], kind="stable")
         axes.quiver(
             *tails[order, :2].T, *arrows[order, :2].T,
-            color=_hazy(tails[:, 2], inks)[order], angles="xy", scale_units="xy", scale=1.0,
-            units="dots", width=1.0, headwidth=4.5, headlength=5.5, headaxislength=5.0, minlength=0.0, zorder=3,
+            color=_hazy(tails[:, 2], inks)[order], angles="xy", scale_units="xy", scale=1.0, units="dots",
+            width=1.0, headwidth=4.5, headlength=5.5, headaxislength=5.0, minlength=0.0, zorder=3,
         )  # fmt: skip
         _scale_bar(axes)
 
@@ -150,22 +150,25 @@ def flattenability_panel(caption: str, surface: Surface, camera: Camera) -> Pane
     brightness, _ = surface.light(camera)
     colours = COLOURS(Normalize(0.0, RED)(surface.flattenability))[:, :3]
     colours = colours * (0.6 + 0.4 * brightness[:, None])
-    return _surface_panel(caption, surface, camera, colours, colours)
+    # Strokes in the triangles' own colours close the hairlines between them.
+    return _surface_panel(caption, surface, camera, colours, colours, 0.5)
 
 
 def shaded_panel(caption: str, surface: Surface, camera: Camera) -> Panel:
     """Triangles and their edges, the outside light grey, the inside brown."""
     brightness, outside = surface.light(camera)
     colours = np.where(outside[:, None], OUTSIDE, INSIDE) * brightness[:, None]
-    return _surface_panel(caption, surface, camera, colours, 0.8 * colours)
+    return _surface_panel(caption, surface, camera, colours, 0.8 * colours, 0.25)
 
 
-def _surface_panel(caption: str, surface: Surface, camera: Camera, faces: Floats, edges: Floats) -> Panel:
-    """Triangles in their own colours, the patches' boundaries in ink."""
+def _surface_panel(
+    caption: str, surface: Surface, camera: Camera, faces: Floats, edges: Floats, edge_points: float
+) -> Panel:
+    """Triangles and their edges in colours of their own, (t, 3) each, the patches' boundaries in ink."""
     corners, order = surface.back_to_front(camera)
     ink = np.tile(INK, (len(surface.boundaries), 1))
     faces, edges = np.concatenate([faces, ink])[order], np.concatenate([edges, ink])[order]
-    widths = np.repeat([0.25, 0.7], [len(surface.corners), len(ink)])[order]
+    widths = np.repeat([edge_points, 0.7], [len(surface.corners), len(ink)])[order]
 
     def paint(axes: Axes, _: float) -> None:
         axes.add_collection(
@@ -192,7 +195,8 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
         sheet = [np.array([[0, 0], [length, 0], [length, width], [0, width]])]
         axes.add_collection(PolyCollection(sheet, facecolors="#f4f1ea", edgecolors="#999999", clip_on=False))
         cut, sew, grain = (
-            [line for piece in pieces for line in piece.lines.get(kind, [])] for kind in ("cut", "sew", "grain")
+            [line for piece in pieces for line in piece.lines.get(kind, [])]
+            for kind in ("cut", "sew", "grain")
         )
         mesh = [edge for piece in pieces for edge in _flat_edges(piece, patches[piece.patch])]
         axes.add_collection(

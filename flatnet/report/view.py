@@ -14,7 +14,7 @@ from flatnet.geometry.triangles import unit
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
-#: Length of the mean normal below which a surface counts as a body that one walks round; half a sphere's is 0.5.
+#: Length of the mean normal below which a surface is a body that one walks round; half a sphere's is 0.5.
 BODY = 0.5
 #: In the camera's frame (to the right, up, towards the viewer): from above left.
 LIGHT = unit(np.array([-0.5, 0.6, 0.65]))
@@ -24,7 +24,7 @@ AMBIENT = 0.42
 
 @dataclass(frozen=True)
 class Camera:
-    """A parallel projection, z upright; from azimuth (+x towards +y) and elevation over the floor, degrees."""
+    """A parallel projection, z upright, from an azimuth (+x towards +y) and an elevation, degrees."""
 
     azimuth: float
     elevation: float
@@ -85,7 +85,7 @@ class Surface:
         """
         seen = camera.project(np.concatenate([self.corners, self.boundaries[:, [0, 1, 1]]]))
         nearness = seen[..., 2].mean(axis=1)
-        # An edge belongs on top of the two triangles beside it, whose centres are up to an edge length nearer.
+        # An edge belongs on top of the triangles beside it, whose centres are up to an edge length nearer.
         length = np.linalg.norm(self.boundaries[:, 1] - self.boundaries[:, 0], axis=1)
         nearness[len(self.corners) :] += length
         return seen[..., :2], np.argsort(nearness, kind="stable")
@@ -105,8 +105,8 @@ def cameras(surface: Surface) -> tuple[Camera, Camera]:
     """Two ways to look at a surface: the first at its outside, the second at what the first can't show.
 
     A sheet is seen along its mean normal, a little from above and from the side, then almost along itself,
-    where folds show. A body is seen three quarters from the front, on the side where more of it is closed, then
-    from behind.
+    where folds show. A body is seen three quarters from the front, on the side where more of it is closed,
+    then from behind.
     """
     area_vectors = surface.area_vectors
     x, y, z = area_vectors.sum(axis=0) / np.linalg.norm(area_vectors, axis=1).sum()

@@ -2,6 +2,7 @@
 
 import numpy as np
 
+from flatnet.export import obj
 from flatnet.export.obj import write_obj
 
 
@@ -24,3 +25,12 @@ def test_every_number_comes_back_to_the_last_bit(tmp_path):
     v, vt, faces = read_obj(tmp_path / "patch.obj")
     assert np.array_equal(v, vertices) and np.array_equal(vt, flat)
     assert np.array_equal(faces[..., 0], triangles) and np.array_equal(faces[..., 1], triangles)
+
+
+def test_what_was_written_is_read_back(tmp_path):
+    random = np.random.default_rng(1)
+    vertices, flat = random.normal(size=(20, 3)) / 3.0, random.normal(size=(20, 2)) * 1e5
+    triangles = random.integers(0, 20, (30, 3))
+    write_obj(tmp_path / "patch.obj", vertices, triangles, flat)
+    for found, given in zip(obj.read_obj(tmp_path / "patch.obj"), (vertices, triangles, flat), strict=True):
+        assert np.array_equal(found, given)
