@@ -8,6 +8,8 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
+from threadpoolctl import threadpool_limits
+
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
@@ -62,7 +64,10 @@ def build(project_file: str | Path, out: str | Path, progress: Progress = lambda
     network = make_network(project, surface)
     output = OutputFolder(Path(out))
     try:
-        results = _fit_all(project, network, progress)
+        # One thread: the matrices are small, threads that wait for each other cost more than they bring, and the
+        # sums do not depend on how many there are.
+        with threadpool_limits(limits=1, user_api="blas"):
+            results = _fit_all(project, network, progress)
         pieces, results = _make_pieces(project, results)
         stored = read_stored(output.previous(STORED_LAYOUT))
         layouts: list[Layout] = []

@@ -1,6 +1,6 @@
 """The form `mannequin`: measurements of a lower body become its surface from the waist to the ankles.
 
-z points up from the floor, y to the front, x to the body's left; the sagittal plane is x = 0. The left half's
+z points up from the floor, y to the front, x to the body's right; the sagittal plane is x = 0. The right half's
 section at height z is the part x >= 0 of an ellipse with centre (c_x, c_y) and half axes (a, b). Above the
 crotch c_x < a: the sagittal plane cuts the ellipse. At the crotch c_x = a, below c_x > a: a closed leg.
 """
@@ -98,7 +98,7 @@ class LowerBody:
 
 @dataclass(frozen=True)
 class Ellipse:
-    """A horizontal section of the left half: centre (cx, cy), half axes a (across) and b (deep), mm."""
+    """A horizontal section of the right half: centre (cx, cy), half axes a (across) and b (deep), mm."""
 
     cx: float
     cy: float
@@ -129,9 +129,9 @@ def mannequin(measurements: Mapping[str, float | str]) -> ReferenceSurface:
         Unknown names, impossible values.
     """
     body = read_measurements(LowerBody, measurements)
-    vertices, triangles = _left_half(body)
+    vertices, triangles = _right_half(body)
     mirrored = vertices * [-1.0, 1.0, 1.0], triangles[:, ::-1]
-    if body.half == "right":
+    if body.half == "left":
         vertices, triangles = mirrored
     elif body.half == "both":
         triangles = np.concatenate([triangles, mirrored[1] + len(vertices)])
@@ -191,8 +191,8 @@ def _around_both(ellipse: Ellipse) -> float:
     return _perimeter(ellipse.a, ellipse.b) + 4.0 * ellipse.cx
 
 
-def _left_half(body: LowerBody) -> tuple[Floats, NDArray[np.int64]]:
-    """Vertices and triangles of the left half: a tube of ellipses, cut off at the sagittal plane."""
+def _right_half(body: LowerBody) -> tuple[Floats, NDArray[np.int64]]:
+    """Vertices and triangles of the right half: a tube of ellipses, cut off at the sagittal plane."""
     levels = sorted(body.heights.values())
     # Every measured level is a row, and the crotch point (angle pi) a vertex.
     rows = np.concatenate(

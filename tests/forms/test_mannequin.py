@@ -50,15 +50,15 @@ def test_girths(measurements):
 @BODIES
 def test_rise_and_inseam_are_exact(measurements):
     body = LowerBody(**measurements)
-    mesh = mannequin({**measurements, "half": "left"}).mesh
+    mesh = mannequin({**measurements, "half": "right"}).mesh
     in_the_middle = mesh.vertices[mesh.vertices[:, 0] == 0.0]
     assert in_the_middle[:, 2].min() == pytest.approx(body.inseam, abs=1e-9)
     assert in_the_middle[:, 2].max() == pytest.approx(body.inseam + body.rise, abs=1e-9)
 
 
 @BODIES
-def test_the_left_half_is_one_smooth_leg_open_at_ankle_waist_and_rises(measurements):
-    mesh = mannequin({**measurements, "half": "left"}).mesh
+def test_the_right_half_is_one_smooth_leg_open_at_ankle_waist_and_rises(measurements):
+    mesh = mannequin({**measurements, "half": "right"}).mesh
     assert mesh.is_winding_consistent
     assert mesh.body_count == 1
     assert mesh.euler_number == 0  # a tube: its outer rim is waist and rises, its inner one the ankle
@@ -73,7 +73,7 @@ def test_the_left_half_is_one_smooth_leg_open_at_ankle_waist_and_rises(measureme
 
 def test_the_crotch_is_a_u(tmp_path):
     """Where the rises meet, the rim turns by small steps: no corner under the body."""
-    mesh = mannequin({"half": "left"}).mesh
+    mesh = mannequin({"half": "right"}).mesh
     rim = mesh.vertices[boundary_vertices(mesh)]
     under = rim[(rim[:, 0] == 0.0) & (rim[:, 2] < 820.0)]
     under = under[np.argsort(under[:, 1])]
@@ -86,6 +86,8 @@ def test_the_crotch_is_a_u(tmp_path):
 def test_halves_mirror_each_other_and_join():
     left, right, both = (mannequin({"half": half}).mesh for half in ("left", "right", "both"))
     assert np.array_equal(np.abs(right.vertices), np.abs(left.vertices))
+    # z up, y to the front: x points to the right of a body that looks along y.
+    assert right.vertices[:, 0].min() == 0.0 and left.vertices[:, 0].max() == 0.0
     assert both.area == pytest.approx(2.0 * left.area, rel=1e-12)
     assert both.euler_number == -1  # open at waist and two ankles
     assert both.is_winding_consistent and right.is_winding_consistent
