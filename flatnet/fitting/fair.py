@@ -11,7 +11,7 @@ from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import csr_matrix
+from scipy.sparse import csr_matrix, eye_array
 
 from flatnet.fitting.fair_energy import (
     TIKHONOV,
@@ -26,7 +26,7 @@ from flatnet.geometry.angle_sums import AngleSums
 from flatnet.geometry.triangles import edge_lengths, edges_of, hinge_angles, hinges_of, vertex_normals
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import FairParameters
-from flatnet.solvers.band import BandLayout, BandMatrix, block_values
+from flatnet.solvers.band import BandLayout, BandMatrix, BlockSum
 from flatnet.solvers.constrained_descent import solve
 
 Floats = NDArray[np.float64]
@@ -51,12 +51,12 @@ class FlattenableProblem:
         self.terms: list[Term] = fair_terms(planar, triangles, boundary_count, parameters)
         self.sums = AngleSums(triangles, np.arange(boundary_count, vertex_count), total)
         self._stars = self.sums.stars()
-        star_vertices = [vertices for _, vertices in self._stars]
-        self.layout = BandLayout(free, [term.elements for term in self.terms] + star_vertices)
-        self._term_slots = [self.layout.slots(term.unknowns) for term in self.terms]
-        self._star_slots = [
-            self.layout.slots((3 * v[:, :, None] + np.arange(3)).reshape(len(v), -1)) for v in star_vertices
-        ]
+        stars = [vertices for _, vertices in self._stars]
+        self.layout = BandLayout(free, [term.elements for term in self.terms] + stars)
+        self._metric_sum = BlockSum(self.layout, [term.unknowns for term in self.terms])
+        self._gram_sum = BlockSum(
+            self.layout, [(3 * star[:, :, None] + np.arange(3)).reshape(len(star), -1) for star in stars]
+        )
         self._free = np.repeat(free, 3)
         self.smoothness = smoothness_matrix(
             np.concatenate([planar, np.zeros((boundary_count, 2))]), triangles, free
@@ -65,18 +65,11 @@ class FlattenableProblem:
 
     def _constant_metric(self) -> BandMatrix:
         """Smoothness and Tikhonov: the part of the metric that does not change."""
-        entries = self.smoothness.tocoo()
-        slots, values = [], []
-        for axis in range(3):
-            rows = self.layout.row_of[3 * entries.row + axis]
-            columns = self.layout.row_of[3 * entries.col + axis]
-            lower = (columns >= 0) & (rows >= columns)
-            slots.append((rows - columns)[lower] + columns[lower] * (self.layout.bandwidth + 1))
-            values.append(entries.data[lower])
-        diagonal = np.arange(self.layout.size) * (self.layout.bandwidth + 1)
-        slots.append(diagonal)
-        values.append(np.full(self.layout.size, TIKHONOV))
-        return self.layout.assemble(zip(slots, values, strict=True))
+        entries = (self.smoothness + TIKHONOV * eye_array(self.smoothness.shape[0])).tocoo()
+        lower = self.layout.row_of[3 * entries.row] >= self.layout.row_of[3 * entries.col]
+        rows, columns, data = entries.row[lower], entries.col[lower], entries.data[lower]
+        slots = [self.layout.slots(3 * rows + axis, 3 * columns + axis) for axis in range(3)]
+        return self.layout.summed(np.concatenate(slots), np.tile(data, 3))
 
     def constraint(self, x: Floats) -> Floats:
         return self.sums.values(x.reshape(-1, 3))
@@ -94,20 +87,19 @@ class FlattenableProblem:
     def gradient_and_metric(self, x: Floats) -> tuple[Floats, BandMatrix]:
         vertices = x.reshape(-1, 3)
         gradient = (self.smoothness @ vertices).ravel()
-        parts = []
-        for term, slots in zip(self.terms, self._term_slots, strict=True):
-            jacobian = term.jacobian(vertices)
-            pull = jacobian * (term.energy_weights * term.residuals(vertices))[:, None]
+        jacobians = []
+        for term in self.terms:
+            residuals, jacobian = term.linearised(vertices)
+            jacobians.append(jacobian)
+            pull = jacobian * (term.energy_weights * residuals)[:, None]
             gradient += np.bincount(term.unknowns.ravel(), weights=pull.ravel(), minlength=len(x))
-            parts.append((slots, block_values(jacobian, term.metric_weights)))
-        return gradient * self._free, self.layout.assemble(parts).plus(self._constant)
+        metric = self._metric_sum(jacobians, [term.metric_weights for term in self.terms])
+        return gradient * self._free, metric.plus(self._constant)
 
     def gram(self, jacobian: csr_matrix) -> BandMatrix:
-        parts = []
-        for (rows, vertices), slots in zip(self._stars, self._star_slots, strict=True):
-            block = self.sums.star_rows(jacobian, rows, vertices.shape[1])
-            parts.append((slots, block_values(block, np.ones(len(rows)))))
-        return self.layout.assemble(parts)
+        """J^T J."""
+        rows = [self.sums.star_rows(jacobian, ids, stars.shape[1]) for ids, stars in self._stars]
+        return self._gram_sum(rows, [np.ones(len(ids)) for ids, _ in self._stars])
 
 
 def fit_fair(

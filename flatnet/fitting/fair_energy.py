@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -50,18 +51,19 @@ class Term:
     ----------
     elements : (e, k) vertex ids.
     residuals : vertices -> (e,).
-    jacobian : vertices -> (e, 3 k).
+    linearised : vertices -> residuals (e,) and their derivatives (e, 3 k).
     energy_weights, metric_weights : (e,).
     """
 
     elements: Ints
     residuals: Callable[[Floats], Floats]
-    jacobian: Callable[[Floats], Floats]
+    linearised: Callable[[Floats], tuple[Floats, Floats]]
     energy_weights: Floats
     metric_weights: Floats
 
-    @property
+    @cached_property
     def unknowns(self) -> Ints:
+        """(e, 3 k); 3 * vertex + axis."""
         return (3 * self.elements[:, :, None] + np.arange(3)).reshape(len(self.elements), -1)
 
 
@@ -71,20 +73,20 @@ def bending_term(hinges: Ints, weights: Floats, metric_weights: Floats) -> Term:
     A fold of 90 degrees can't be sewn, and two of 45 bend as little; tan alone does not say so clearly enough.
     """
 
-    def clipped(vertices: Floats) -> Floats:
-        return np.clip(hinge_angles(vertices, hinges), -HINGE_CLIP, HINGE_CLIP)
-
-    def residuals(vertices: Floats) -> Floats:
-        angle = clipped(vertices)
+    def parts(vertices: Floats) -> tuple[Floats, Floats, Floats]:
+        angle = np.clip(hinge_angles(vertices, hinges), -HINGE_CLIP, HINGE_CLIP)
+        half_tangent = np.tan(0.5 * angle)
         beyond = np.maximum(np.abs(angle) - WALL, 0.0)
-        return 2.0 * np.tan(angle / 2.0) + np.sign(angle) * STIFFNESS * beyond**2
+        return 2.0 * half_tangent + np.sign(angle) * STIFFNESS * beyond**2, half_tangent, beyond
 
-    def jacobian(vertices: Floats) -> Floats:
-        angle = clipped(vertices)
-        slope = 1.0 / np.cos(angle / 2.0) ** 2 + 2.0 * STIFFNESS * np.maximum(np.abs(angle) - WALL, 0.0)
-        return slope[:, None] * hinge_angle_gradients(vertices, hinges).reshape(len(hinges), -1)
+    def linearised(vertices: Floats) -> tuple[Floats, Floats]:
+        residuals, half_tangent, beyond = parts(vertices)
+        slope = 1.0 + half_tangent**2 + 2.0 * STIFFNESS * beyond
+        gradients = hinge_angle_gradients(vertices, hinges)
+        gradients *= slope[:, None, None]
+        return residuals, gradients.reshape(len(hinges), -1)
 
-    return Term(hinges, residuals, jacobian, weights, metric_weights)
+    return Term(hinges, lambda vertices: parts(vertices)[0], linearised, weights, metric_weights)
 
 
 def _symmetric_ratio_term(
@@ -92,8 +94,8 @@ def _symmetric_ratio_term(
     sizes: Callable[[Floats, Ints], Floats],
     gradients: Callable[[Floats, Ints], Floats],
     rest: Floats,
-    weights: Floats,
-    metric_weights: Floats,
+    weight: float,
+    metric_weight: float,
 ) -> Term:
     """r = (q - 1 / q) / 2 with q = size / rest: 0 at rest, the same for twice and half, unbounded at 0."""
 
@@ -101,27 +103,24 @@ def _symmetric_ratio_term(
         q = sizes(vertices, elements) / rest
         return 0.5 * (q - 1.0 / q)
 
-    def jacobian(vertices: Floats) -> Floats:
+    def linearised(vertices: Floats) -> tuple[Floats, Floats]:
         q = sizes(vertices, elements) / rest
         slope = 0.5 * (1.0 + 1.0 / q**2) / rest
-        return slope[:, None] * gradients(vertices, elements).reshape(len(elements), -1)
+        return 0.5 * (q - 1.0 / q), slope[:, None] * gradients(vertices, elements).reshape(len(elements), -1)
 
-    return Term(elements, residuals, jacobian, weights, metric_weights)
+    ones = np.ones(len(elements))
+    return Term(elements, residuals, linearised, weight * ones, metric_weight * ones)
 
 
 def strain_term(edges: Ints, rest: Floats, weight: float) -> Term:
-    ones = np.ones(len(edges))
-    return _symmetric_ratio_term(
-        edges, edge_lengths, edge_length_gradients, rest, weight * ones, STRAIN_METRIC * ones
-    )
+    return _symmetric_ratio_term(edges, edge_lengths, edge_length_gradients, rest, weight, STRAIN_METRIC)
 
 
 def area_term(triangles: Ints, rest: Floats, weight: float) -> Term:
     def areas(vertices: Floats, triangles: Ints) -> Floats:
         return np.linalg.norm(area_vectors(vertices, triangles), axis=1)
 
-    ones = np.ones(len(triangles))
-    return _symmetric_ratio_term(triangles, areas, area_gradients, rest, weight * ones, AREA_METRIC * ones)
+    return _symmetric_ratio_term(triangles, areas, area_gradients, rest, weight, AREA_METRIC)
 
 
 def cotangent_laplacian(planar: Floats, triangles: Ints, count: int) -> csr_matrix:

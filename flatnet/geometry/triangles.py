@@ -14,10 +14,24 @@ def unit(vectors: Floats) -> Floats:
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
 
 
+def cross(u: Floats, v: Floats) -> Floats:
+    """Row by row u x v, (n, 3). A third of the time of np.cross, which dominates on small meshes."""
+    result = np.empty_like(u)
+    result[:, 0] = u[:, 1] * v[:, 2] - u[:, 2] * v[:, 1]
+    result[:, 1] = u[:, 2] * v[:, 0] - u[:, 0] * v[:, 2]
+    result[:, 2] = u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
+    return result
+
+
+def dot(u: Floats, v: Floats) -> Floats:
+    """Row by row u . v, (n,)."""
+    return np.einsum("ij,ij->i", u, v)
+
+
 def area_vectors(vertices: Floats, triangles: Ints) -> Floats:
     """Normal of every triangle times its area, (t, 3)."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    return 0.5 * np.cross(b - a, c - a)
+    return 0.5 * cross(b - a, c - a)
 
 
 def vertex_normals(vertices: Floats, triangles: Ints) -> Floats:
@@ -39,17 +53,15 @@ def corner_angles(vertices: Floats, triangles: Ints) -> Floats:
 
     atan2 of cross and dot product: exact to round-off for thin triangles, where arccos loses half the digits.
     """
-    angles = np.empty(triangles.shape)
-    for k in range(3):
-        p = vertices[triangles[:, k]]
-        u = vertices[triangles[:, (k + 1) % 3]] - p
-        v = vertices[triangles[:, (k + 2) % 3]] - p
-        if vertices.shape[1] == 2:
-            cross = np.abs(u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0])
-        else:
-            cross = np.linalg.norm(np.cross(u, v), axis=1)
-        angles[:, k] = np.arctan2(cross, np.einsum("ij,ij->i", u, v))
-    return angles
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    sides = c - b, a - c, b - a
+    if vertices.shape[1] == 2:
+        twice_area = np.abs(sides[1][:, 0] * sides[2][:, 1] - sides[1][:, 1] * sides[2][:, 0])
+    else:
+        normal = cross(sides[1], sides[2])
+        twice_area = np.sqrt(dot(normal, normal))
+    cosines = [-dot(sides[(k + 1) % 3], sides[(k + 2) % 3]) for k in range(3)]
+    return np.arctan2(twice_area[:, None], np.stack(cosines, axis=1))
 
 
 def vertex_sums(triangles: Ints, by_corner: Floats, count: int) -> Floats:
@@ -109,10 +121,9 @@ def hinge_angles(vertices: Floats, hinges: Ints) -> Floats:
     """
     i, j, k, l = (vertices[hinges[:, c]] for c in range(4))
     edge = j - i
-    left = np.cross(edge, k - i)
-    right = np.cross(l - i, edge)
-    sine = np.einsum("ij,ij->i", np.cross(left, right), edge) / np.linalg.norm(edge, axis=1)
-    return np.arctan2(sine, np.einsum("ij,ij->i", left, right))
+    left, right = cross(edge, k - i), cross(l - i, edge)
+    sine = dot(cross(left, right), edge) / np.sqrt(dot(edge, edge))
+    return np.arctan2(sine, dot(left, right))
 
 
 def bending(vertices: Floats, triangles: Ints) -> float:

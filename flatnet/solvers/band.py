@@ -52,25 +52,49 @@ class BandLayout:
         self.row_of = np.full(3 * count, -1)
         self.row_of[self.unknowns] = np.arange(self.size)
 
-    def slots(self, unknowns: Ints) -> Ints:
-        """Flat band positions of the lower half of element blocks, (e, k (k + 1) / 2).
-
-        `unknowns` (e, k) are full unknowns; pairs with a fixed one go to a slot past the end.
-        """
-        a, b = np.tril_indices(unknowns.shape[1])
-        rows = self.row_of[unknowns]
-        first, second = rows[:, a], rows[:, b]
+    def slots(self, rows: Ints, columns: Ints) -> Ints:
+        """Flat band positions of entries given by full unknowns; pairs with a fixed one go past the end."""
+        first, second = self.row_of[rows], self.row_of[columns]
         low, high = np.minimum(first, second), np.maximum(first, second)
         flat = (high - low) + low * (self.bandwidth + 1)
         flat[low < 0] = (self.bandwidth + 1) * self.size
         return flat
 
-    def assemble(self, parts: Iterable[tuple[Ints, Floats]]) -> BandMatrix:
-        """Sum (slots, values) pairs into a matrix."""
-        band = np.zeros((self.bandwidth + 1) * self.size + 1)
-        for slots, values in parts:
-            band += np.bincount(slots.ravel(), weights=values.ravel(), minlength=len(band))
-        return BandMatrix(self, band[:-1])
+    def summed(self, slots: Ints, values: Floats) -> BandMatrix:
+        """The matrix whose entries are the values summed at their slots."""
+        size = (self.bandwidth + 1) * self.size
+        return BandMatrix(self, np.bincount(slots, weights=values, minlength=size + 1)[:size])
+
+
+class BlockSum:
+    """Sums w J^T J over groups of elements, J one row per element, into the band.
+
+    Parameters
+    ----------
+    groups : (e, k) full unknowns of the elements of every group.
+    """
+
+    def __init__(self, layout: BandLayout, groups: Iterable[Ints]) -> None:
+        self._layout = layout
+        slots, self._places, start = [], [], 0
+        for unknowns in groups:
+            rows, columns = np.tril_indices(unknowns.shape[1])
+            block = layout.slots(unknowns.T[rows], unknowns.T[columns])
+            slots.append(block.ravel())
+            self._places.append((start, block.shape))
+            start += block.size
+        self._slots = np.concatenate(slots)
+        self._values = np.empty(start)
+
+    def __call__(self, jacobians: Iterable[Floats], weights: Iterable[Floats]) -> BandMatrix:
+        """The sum for the rows `jacobians`, (e, k) of every group, and their weights, (e,)."""
+        for jacobian, weight, (start, shape) in zip(jacobians, weights, self._places, strict=True):
+            rows = np.ascontiguousarray(jacobian.T)
+            weighted = rows * weight
+            block = self._values[start : start + shape[0] * shape[1]].reshape(shape)
+            for i in range(len(rows)):
+                np.multiply(rows[: i + 1], weighted[i], out=block[i * (i + 1) // 2 : (i + 1) * (i + 2) // 2])
+        return self._layout.summed(self._slots, self._values)
 
 
 class BandMatrix:
@@ -104,9 +128,3 @@ class BandFactor:
         result = np.zeros_like(right_side)
         result[unknowns] = solution
         return result
-
-
-def block_values(jacobian: Floats, weights: Floats) -> Floats:
-    """Lower half of w J^T J for every element, in the order of `BandLayout.slots`; J is (e, k)."""
-    a, b = np.tril_indices(jacobian.shape[1])
-    return jacobian[:, a] * (jacobian[:, b] * weights[:, None])

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from flatnet.solvers.band import BandLayout, block_values
+from flatnet.solvers.band import BandLayout, BlockSum
 
 
 def chain(count):
@@ -19,10 +19,8 @@ def test_sum_of_element_blocks_and_its_solution_equal_the_dense_ones():
     layout = BandLayout(free, [elements])
     unknowns = (3 * elements[:, :, None] + np.arange(3)).reshape(len(elements), 9)
     jacobian, weights = rng.normal(size=(len(elements), 9)), rng.uniform(0.5, 2.0, len(elements))
-    diagonal = np.arange(layout.size) * (layout.bandwidth + 1)
-    matrix = layout.assemble(
-        [(layout.slots(unknowns), block_values(jacobian, weights)), (diagonal, np.ones(layout.size))]
-    )
+    unit = layout.summed(layout.slots(np.arange(36), np.arange(36)), np.ones(36))
+    matrix = BlockSum(layout, [unknowns])([jacobian], [weights]).plus(unit)
     dense = np.eye(36)
     for ids, row, weight in zip(unknowns, jacobian, weights, strict=True):
         dense[np.ix_(ids, ids)] += weight * np.outer(row, row)
@@ -36,5 +34,5 @@ def test_sum_of_element_blocks_and_its_solution_equal_the_dense_ones():
 def test_an_indefinite_matrix_has_no_factor():
     elements, free = chain(6)
     layout = BandLayout(free, [elements])
-    diagonal = np.arange(layout.size) * (layout.bandwidth + 1)
-    assert layout.assemble([(diagonal, -np.ones(layout.size))]).factor() is None
+    diagonal = layout.slots(np.arange(18), np.arange(18))
+    assert layout.summed(diagonal, -np.ones(18)).factor() is None
