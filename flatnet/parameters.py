@@ -27,6 +27,7 @@ class FairParameters:
     ramp_steps, ramp_start, ramp_end : phase A, the soft penalty rho grows geometrically.
     tolerance : worst flattenability to reach, rad.
     max_steps : most steps of phases B and C together.
+    remesh_rounds : how often at the most the flat outline is meshed anew and the mesh fitted again.
     """
 
     normal_weight: float = 1.0
@@ -37,6 +38,7 @@ class FairParameters:
     ramp_end: float = 100.0
     tolerance: float = 1e-10
     max_steps: int = 200
+    remesh_rounds: int = 3
 
     def __post_init__(self) -> None:
         _check(self.normal_weight, "normal_weight", 0.0, 1e4)
@@ -47,6 +49,7 @@ class FairParameters:
         _check(self.ramp_end, "ramp_end", self.ramp_start, 1e9)
         _check(self.tolerance, "tolerance", 1e-13, 1e-1)
         _check(self.max_steps, "max_steps", 1, 100_000)
+        _check(self.remesh_rounds, "remesh_rounds", 0, 20)
 
 
 @dataclass(frozen=True)

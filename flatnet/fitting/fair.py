@@ -7,6 +7,7 @@ well it does against the paper's algorithm.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -36,6 +37,8 @@ Ints = NDArray[np.int64]
 #: Heights of the bump that takes M^0 off a symmetric state, in mean edges; the next one is tried where a start
 #: does not converge. A low one does on nearly all patches and disturbs least.
 BUMPS = (0.1, 1.0, -1.0, 3.0, -3.0)
+#: Soft steps of a mesh that is carried over to a new tessellation.
+REFIT_RAMP = 3
 
 
 class FlattenableProblem:
@@ -106,15 +109,32 @@ def fit_fair(
     warped: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
 ) -> FlattenableMesh:
     """M from M^0: interpolates B exactly, flattenable to `parameters.tolerance` where it converges."""
+    ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
+    return _fitted(warped, boundary, planar, parameters, ramp, BUMPS)
+
+
+def refit_fair(
+    carried: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
+) -> FlattenableMesh:
+    """M from a mesh that is nearly M already: the ramp's last step a few times, a long one would undo it."""
+    return _fitted(carried, boundary, planar, parameters, np.full(REFIT_RAMP, parameters.ramp_end), (0.0,))
+
+
+def _fitted(
+    start: WarpedMesh,
+    boundary: BoundaryCurve,
+    planar: PlanarMesh,
+    parameters: FairParameters,
+    ramp: Floats,
+    bumps: Sequence[float],
+) -> FlattenableMesh:
     scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
     centre = boundary.vertices.mean(axis=0)
     problem = FlattenableProblem(planar.positions / scale, planar.triangles, planar.boundary_count, parameters)
     ghosts = ghost_vertices(boundary.vertices, boundary.normals)
-    ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
     steps, results = 0, []
-    for height in BUMPS:
-        start = _off_symmetry(warped, planar, height * scale)
-        x = (np.concatenate([start, ghosts]) - centre) / scale
+    for height in bumps:
+        x = (np.concatenate([_off_symmetry(start, planar, height * scale), ghosts]) - centre) / scale
         result = solve(
             problem, x.ravel(), ramp=ramp, tolerance=parameters.tolerance, max_steps=parameters.max_steps
         )
@@ -122,8 +142,8 @@ def fit_fair(
         results.append(result)
         if result.status == "converged":
             break
-    result = min(results, key=lambda result: result.residual)
-    vertices = result.x.reshape(-1, 3)[: len(warped.vertices)] * scale + centre
+    best = min(results, key=lambda result: result.residual)
+    vertices = best.x.reshape(-1, 3)[: len(start.vertices)] * scale + centre
     vertices[: planar.boundary_count] = boundary.vertices
     return FlattenableMesh(
         vertices,
@@ -131,7 +151,7 @@ def fit_fair(
         planar.boundary_count,
         method="fair",
         parameters=asdict(parameters),
-        status=result.status,
+        status=best.status,
         steps=steps,
     )
 

@@ -63,7 +63,8 @@ class BandLayout:
     def summed(self, slots: Ints, values: Floats) -> BandMatrix:
         """The matrix whose entries are the values summed at their slots."""
         size = (self.bandwidth + 1) * self.size
-        return BandMatrix(self, np.bincount(slots, weights=values, minlength=size + 1)[:size])
+        sums = np.bincount(slots, weights=values, minlength=size + 1)
+        return BandMatrix(self, np.asarray(sums[:size], dtype=np.float64))
 
 
 class BlockSum:
