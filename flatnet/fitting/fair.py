@@ -7,7 +7,6 @@ well it does against the paper's algorithm.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from dataclasses import asdict
 
 import numpy as np
@@ -34,9 +33,8 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
-#: Heights of the bump that takes M^0 off a symmetric state, in mean edges; the next one is tried where a start
-#: does not converge. A low one does on nearly all patches and disturbs least.
-BUMPS = (0.1, 1.0, -1.0, 3.0, -3.0)
+#: Height of the bump that takes M^0 off a symmetric state, in mean edges.
+BUMP = 0.1
 #: Soft steps of a mesh that is carried over to a new tessellation.
 REFIT_RAMP = 3
 
@@ -47,6 +45,7 @@ class FlattenableProblem:
     def __init__(
         self, planar: Floats, triangles: Ints, boundary_count: int, parameters: FairParameters
     ) -> None:
+        self._planar, self._boundary_count = planar, boundary_count
         vertex_count = len(planar)
         total = vertex_count + boundary_count
         free = np.zeros(total, dtype=bool)
@@ -99,6 +98,21 @@ class FlattenableProblem:
         metric = self._metric_sum(jacobians, [term.metric_weights for term in self.terms])
         return gradient * self._free, metric.plus(self._constant)
 
+    def kick(self, x: Floats, number: int) -> Floats:
+        """A wave across M^p, along the normals, that dies out towards the boundary; every number has its own.
+
+        Lengths fall from twice the extent of M^p, directions turn by the golden angle: no symmetry is kept.
+        """
+        extent = float(np.ptp(self._planar, axis=0).max())
+        turn = number * np.pi * (3.0 - np.sqrt(5.0))
+        phase = self._planar @ np.array([np.cos(turn), np.sin(turn)]) * (number * np.pi / extent) + number
+        wave = bump(self._planar, self.sums.triangles, self._boundary_count) * np.cos(phase)
+        vertices = x.reshape(-1, 3)
+        normals = vertex_normals(vertices[: len(wave)], self.sums.triangles)
+        step = np.zeros_like(vertices)
+        step[: len(wave)] = (wave / np.abs(wave).max())[:, None] * normals
+        return step.ravel()
+
     def gram(self, jacobian: csr_matrix) -> BandMatrix:
         """J^T J."""
         rows = [self.sums.star_rows(jacobian, ids, stars.shape[1]) for ids, stars in self._stars]
@@ -110,40 +124,35 @@ def fit_fair(
 ) -> FlattenableMesh:
     """M from M^0: interpolates B exactly, flattenable to `parameters.tolerance` where it converges."""
     ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
-    return _fitted(warped, boundary, planar, parameters, ramp, BUMPS)
+    scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
+    return _fitted(_off_symmetry(warped, planar, BUMP * scale), boundary, planar, parameters, ramp)
 
 
 def refit_fair(
     carried: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
 ) -> FlattenableMesh:
     """M from a mesh that is nearly M already: the ramp's last step a few times, a long one would undo it."""
-    return _fitted(carried, boundary, planar, parameters, np.full(REFIT_RAMP, parameters.ramp_end), (0.0,))
+    ramp = np.full(REFIT_RAMP, parameters.ramp_end)
+    return _fitted(carried.vertices, boundary, planar, parameters, ramp)
 
 
 def _fitted(
-    start: WarpedMesh,
+    start: Floats,
     boundary: BoundaryCurve,
     planar: PlanarMesh,
     parameters: FairParameters,
     ramp: Floats,
-    bumps: Sequence[float],
 ) -> FlattenableMesh:
+    """M from the vertices `start`, (m, 3) mm, of M^p's triangles."""
     scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
     centre = boundary.vertices.mean(axis=0)
     problem = FlattenableProblem(planar.positions / scale, planar.triangles, planar.boundary_count, parameters)
     ghosts = ghost_vertices(boundary.vertices, boundary.normals)
-    steps, results = 0, []
-    for height in bumps:
-        x = (np.concatenate([_off_symmetry(start, planar, height * scale), ghosts]) - centre) / scale
-        result = solve(
-            problem, x.ravel(), ramp=ramp, tolerance=parameters.tolerance, max_steps=parameters.max_steps
-        )
-        steps += result.steps
-        results.append(result)
-        if result.status == "converged":
-            break
-    best = min(results, key=lambda result: result.residual)
-    vertices = best.x.reshape(-1, 3)[: len(start.vertices)] * scale + centre
+    x = (np.concatenate([start, ghosts]) - centre) / scale
+    result = solve(
+        problem, x.ravel(), ramp=ramp, tolerance=parameters.tolerance, max_steps=parameters.max_steps
+    )
+    vertices = result.x.reshape(-1, 3)[: len(start)] * scale + centre
     vertices[: planar.boundary_count] = boundary.vertices
     return FlattenableMesh(
         vertices,
@@ -151,13 +160,13 @@ def _fitted(
         planar.boundary_count,
         method="fair",
         parameters=asdict(parameters),
-        status=best.status,
-        steps=steps,
+        status=result.status,
+        steps=result.steps,
     )
 
 
 def _off_symmetry(warped: WarpedMesh, planar: PlanarMesh, height: float) -> Floats:
-    """M^0 with a low bump towards its convex side, `height` mm at its top.
+    """The vertices of M^0 with a low bump towards its convex side, `height` mm at its top.
 
     A symmetric boundary has two flat solutions, one a mirror image of the other, and a symmetric M^0 lies
     on the ridge between them, where every step keeps the symmetry and none gets to c = 0 (a saddle between

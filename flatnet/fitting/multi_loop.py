@@ -18,7 +18,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags, identity, kron
 
 from flatnet.fitting.results import FlattenableMesh, PlanarMesh, WarpedMesh
 from flatnet.geometry.angle_sums import AngleSums
-from flatnet.geometry.triangles import edge_lengths, edges_of
+from flatnet.geometry.triangles import dot, edge_lengths, edges_of
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import MultiLoopParameters
 from flatnet.solvers.kkt import KktStatus, KktStep, kkt_step
@@ -111,7 +111,7 @@ class _Problem:
         """Tracking positions released to where the vertices are now."""
         interior = vertices[self.boundary_count :]
         p = interior[self.tangent]
-        height = np.einsum("ij,ij->i", p - self.plane_points, self.plane_normals)
+        height = dot(p - self.plane_points, self.plane_normals)
         return _Tracking(interior, p - height[:, None] * self.plane_normals)
 
     def gradient(self, vertices: Floats, tracking: _Tracking) -> Floats:

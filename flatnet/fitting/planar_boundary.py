@@ -8,7 +8,7 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import PlanarBoundary
 from flatnet.geometry.crossings import polygon_crossings
-from flatnet.geometry.polygon import polygon_angles, predicted_angles
+from flatnet.geometry.polygon import polygon_angles, predicted_angles, side_lengths
 from flatnet.network.patch import BoundaryCurve
 from flatnet.solvers.angle_program import AngleStatus, solve_angle_program
 
@@ -40,7 +40,7 @@ def fit_planar_boundary(boundary: BoundaryCurve) -> PlanarBoundary:
         for fewer than three vertices, or an edge without length.
     """
     vertices = boundary.vertices
-    lengths = np.linalg.norm(np.roll(vertices, -1, axis=0) - vertices, axis=1)
+    lengths = side_lengths(vertices)
     if len(vertices) < 3 or not (lengths > 0.0).all():
         raise ValueError(f"a boundary needs 3 vertices and edges longer than 0, got {len(vertices)}, {lengths.min()}")
     predicted, opposed = predicted_angles(vertices, boundary.normals)

@@ -167,4 +167,3 @@ class FailedPatch:
     failure: Finding
     warnings: tuple[Finding, ...] = ()
     seconds: Mapping[str, float] | None = None
-    metrics: Mapping[str, float] | None = None

@@ -14,9 +14,10 @@ from flatnet.failure import PatchFailure
 from flatnet.fitting.results import PlanarBoundary, PlanarMesh
 from flatnet.geometry.crossings import polygon_crossings
 from flatnet.geometry.delaunay import cross, delaunay_flips, drop_degree_three, half_edge_vertices, twins_of
+from flatnet.geometry.polygon import edge_vectors, side_lengths
 from flatnet.geometry.refinement import Limits, in_lens, near_segments, refine
 from flatnet.geometry.smoothing import area_smoothing, shape_smoothing
-from flatnet.geometry.triangles import signed_areas
+from flatnet.geometry.triangles import signed_areas, unit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -128,8 +129,8 @@ def open_slits(outline: Floats) -> Floats:
     """
     n = len(outline)
     ends = np.roll(outline, -1, axis=0)
-    lengths = np.linalg.norm(ends - outline, axis=1)
-    width = SLIT_WIDTH * lengths.mean()
+    mean_length = float(side_lengths(outline).mean())
+    width = SLIT_WIDTH * mean_length
     middles = shapely.points(0.5 * (outline + ends))
     p, q = shapely.STRtree(middles).query(middles, predicate="dwithin", distance=width)
     apart = np.maximum(
@@ -140,12 +141,11 @@ def open_slits(outline: Floats) -> Floats:
     moves[p] = moves[(p + 1) % n] = True
     moves[p[q == (p - 1) % n]] = False
 
-    along = (ends - outline) / lengths[:, None]
+    along = unit(edge_vectors(outline))
     along += np.roll(along, 1, axis=0)
-    inwards = np.stack([-along[moves, 1], along[moves, 0]], axis=1)
-    inwards /= np.linalg.norm(inwards, axis=1, keepdims=True)
+    inwards = unit(np.stack([-along[moves, 1], along[moves, 0]], axis=1))
     opened = outline.copy()
-    opened[moves] += SLIT_OPENING * lengths.mean() * inwards
+    opened[moves] += SLIT_OPENING * mean_length * inwards
     return opened
 
 
@@ -164,7 +164,7 @@ def regular_edge_length(outline: Floats, target: float) -> float:
 
 
 def shortest_edge_length(outline: Floats) -> float:
-    return SHORTEST_EDGE * float(np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1).mean())
+    return SHORTEST_EDGE * float(side_lengths(outline).mean())
 
 
 def fill(outline: Floats, length: float, lens_angle: float) -> Parts:

@@ -8,6 +8,7 @@ from scipy.spatial import cKDTree
 
 from flatnet.failure import PatchFailure
 from flatnet.fitting.results import PlanarMesh, WarpedMesh
+from flatnet.geometry.polygon import edge_vectors
 from flatnet.geometry.triangles import edge_lengths, edges_of, unit
 from flatnet.network.patch import BoundaryCurve
 from flatnet.solvers.rbf import fit_triharmonic
@@ -62,8 +63,7 @@ def constraint_points(
 ) -> tuple[Floats, Floats]:
     """V^p and V of Eq. 3, (k, 3) each: vertices, points lifted to both sides, then T_out and T_in."""
     flat = np.column_stack([outline, np.zeros(len(outline))])
-    flat_edge = np.roll(flat, -1, axis=0) - flat
-    edge = np.roll(boundary.vertices, -1, axis=0) - boundary.vertices
+    flat_edge, edge = edge_vectors(flat), edge_vectors(boundary.vertices)
     flat_middle, middle = flat + 0.5 * flat_edge, boundary.vertices + 0.5 * edge
     up = np.array([0.0, 0.0, 1.0])
     reach = 0.5 * tau

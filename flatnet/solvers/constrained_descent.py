@@ -3,7 +3,8 @@
 Projecting onto c = 0 first and fairing afterwards does not work where c = 0 is rugged: the shape is decided on
 the way there. So the long waves go first, under a soft, growing penalty (phase A); then every step has a part
 along c = 0 that lowers E and a part across it that lowers c (phase B); then c alone is driven to round-off
-(phase C).
+(phase C). Where no step lowers c any more the mesh lies on a ridge between solutions, flat to first order: a
+smooth kick takes it off, and B and C begin again.
 """
 
 from __future__ import annotations
@@ -30,6 +31,8 @@ FULL_STEPS, SETTLED = 8, 2e-3
 SUFFICIENT = 0.2
 #: How often a step is cut before it is given up.
 CUTS = 4
+#: Heights of the kicks, in mean edges, each tried where the one before led to no solution.
+KICKS = (0.5, 1.0, 2.0, 3.0)
 
 
 class Problem(Protocol):
@@ -40,6 +43,8 @@ class Problem(Protocol):
     def energy(self, x: Floats) -> float: ...
     def gradient_and_metric(self, x: Floats) -> tuple[Floats, BandMatrix]: ...
     def gram(self, jacobian: csr_matrix) -> BandMatrix: ...
+    def kick(self, x: Floats, number: int) -> Floats:
+        """A smooth step whose longest vertex move is 1; another one for every number."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,8 +92,13 @@ def solve(
         return Result(x, 0.0, 0, "converged")
     _soft_ramp(problem, state, ramp)
     limit = state.steps + max_steps
-    _tangential_and_normal_steps(problem, state, limit)
-    status = _newton_tail(problem, state, tolerance, limit)
+    for number, height in enumerate((0.0, *KICKS)):
+        if number:
+            state.x = state.x + height * problem.kick(state.x, number)
+        _tangential_and_normal_steps(problem, state, limit)
+        status = _newton_tail(problem, state, tolerance, limit)
+        if status != "stalled":
+            break
     residual = float(np.abs(problem.constraint(state.x)).max())
     return Result(state.x, residual, state.steps, status)
 
