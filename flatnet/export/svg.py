@@ -112,7 +112,7 @@ def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) 
         data_mirrored=str(placement.mirrored).lower(),
     )
     group.matrix(*_plain(linear.T.ravel()), *_plain([placement.x_mm, sheet_width - placement.y_mm]))
-    group.add(_path(drawing, "cut", piece.cut_line))
+    group.add(_path(drawing, "cut", piece.cut_line, *piece.holes))
     group.add(_path(drawing, "sew", piece.sew_line))
     if piece.grain is not None:
         group.add(_arrow(drawing, "grain", piece.grain))
@@ -148,9 +148,9 @@ def _text(drawing: svgwrite.Drawing, text: str, x: float, y: float, height: floa
     )
 
 
-def _path(drawing: svgwrite.Drawing, kind: str, outline: Floats) -> Any:
-    """A closed path."""
-    return _stroked(drawing, kind, f"M {_points(outline)} Z")
+def _path(drawing: svgwrite.Drawing, kind: str, *outlines: Floats) -> Any:
+    """One path of closed outlines."""
+    return _stroked(drawing, kind, " ".join(f"M {_points(outline)} Z" for outline in outlines))
 
 
 def _arrow(drawing: svgwrite.Drawing, kind: str, ends: Floats) -> Any:

@@ -136,7 +136,7 @@ def mannequin(measurements: Mapping[str, float | str]) -> ReferenceSurface:
     elif body.half == "both":
         triangles = np.concatenate([triangles, mirrored[1] + len(vertices)])
         vertices = np.concatenate([vertices, mirrored[0]])
-    return ReferenceSurface(tidy_mesh(vertices, triangles), "mannequin")
+    return ReferenceSurface(tidy_mesh(vertices, triangles))
 
 
 def sections(body: LowerBody) -> dict[str, Ellipse]:

@@ -58,7 +58,7 @@ def read_mesh(source: MeshSurface) -> ReferenceSurface:
             raise MeshFileError(f"{source.path}: {_where_sides_change(mesh)}")
     if source.outer == "inside":
         mesh.invert()
-    return ReferenceSurface(mesh, source.path.name)
+    return ReferenceSurface(mesh)
 
 
 def _read(path: Path) -> tuple[Floats, NDArray[np.int64]]:

@@ -21,11 +21,9 @@ class ReferenceSurface:
     Attributes
     ----------
     mesh : in mm, z up, faces anticlockwise seen from outside.
-    name : for messages.
     """
 
     mesh: trimesh.Trimesh
-    name: str
 
     def nearest(self, points: Floats) -> tuple[Floats, Floats]:
         """The nearest points of the surface and its unit normals there, both (n, 3).

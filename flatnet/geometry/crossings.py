@@ -6,6 +6,10 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
+from flatnet.geometry.delaunay import cross
+from flatnet.geometry.polygon import side_lengths
+from flatnet.geometry.triangles import dot
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
@@ -48,14 +52,6 @@ def polygon_crossings(positions: Floats, space: Floats | None = None) -> list[tu
     return [(int(a), float(b), int(c), float(d)) for a, b, c, d in pairs]
 
 
-def _cross(u: Floats, v: Floats) -> Floats:
-    return u[:, 0] * v[:, 1] - u[:, 1] * v[:, 0]
-
-
-def _dot(u: Floats, v: Floats) -> Floats:
-    return np.einsum("ij,ij->i", u, v)
-
-
 def _meeting_points(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Floats, Floats, NDArray[np.bool_]]:
     """Fractions s of the segments ab and t of cd at their common point, and whether there is one."""
     u, v, w = b - a, d - c, c - a
@@ -63,20 +59,20 @@ def _meeting_points(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Floats,
     # Differences of the corners carry the rounding of their own coordinates.
     reach = np.abs(np.concatenate([a, b, c, d], axis=1)).max(axis=1, initial=0.0)
     slack = ROUND_OFF * reach / np.minimum(np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1))
-    area = _cross(u, v)
+    area = cross(u, v)
     parallel = np.abs(area) <= (ROUND_OFF + slack) * lengths
 
     safe = np.where(parallel, 1.0, area)
-    s, t = _cross(w, v) / safe, _cross(w, u) / safe
+    s, t = cross(w, v) / safe, cross(w, u) / safe
     slack = slack * lengths / np.abs(safe)
     meet = (s >= -slack) & (s <= 1 + slack) & (t >= -slack) & (t <= 1 + slack) & ~parallel
 
     # Parallel segments meet where they are on one line and overlap along it.
-    squared = _dot(u, u)
-    from_c, from_d = _dot(w, u) / squared, _dot(w + v, u) / squared
+    squared = dot(u, u)
+    from_c, from_d = dot(w, u) / squared, dot(w + v, u) / squared
     first = np.maximum(0.0, np.minimum(from_c, from_d))
     overlap = first <= np.minimum(1.0, np.maximum(from_c, from_d))
-    on_line = np.abs(_cross(w, u)) <= (ROUND_OFF + slack) * np.linalg.norm(w, axis=1) * np.sqrt(squared)
+    on_line = np.abs(cross(w, u)) <= (ROUND_OFF + slack) * np.linalg.norm(w, axis=1) * np.sqrt(squared)
     both = parallel & on_line & overlap
     along = np.where(from_d == from_c, 1.0, from_d - from_c)
     s, t = np.where(both, first, s), np.where(both, (first - from_c) / along, t)
@@ -91,13 +87,13 @@ def _along_slit(i: Ints, s: Floats, j: Ints, positions: Floats, space: Floats) -
     """
     n = len(space)
     following = (np.arange(n) + 1) % n
-    tolerance = SLIT_TOLERANCE * float(np.linalg.norm(positions[following] - positions, axis=1).mean())
+    tolerance = SLIT_TOLERANCE * float(side_lengths(positions).mean())
     cells = np.round((space - space.min(axis=0)) / (SAME_POINT / SLIT_TOLERANCE * tolerance))
     point = np.unique(cells, axis=0, return_inverse=True)[1].reshape(-1)
 
     def left_of(edge: Ints, vertex: Ints) -> Floats:
         along = positions[following[edge]] - positions[edge]
-        return _cross(along, positions[vertex] - positions[edge]) / np.linalg.norm(along, axis=1)
+        return cross(along, positions[vertex] - positions[edge]) / np.linalg.norm(along, axis=1)
 
     both_sides = (point[i] == point[following[j]]) & (point[following[i]] == point[j])
     depth = np.max([left_of(i, j), left_of(i, following[j]), left_of(j, i), left_of(j, following[i])], axis=0)

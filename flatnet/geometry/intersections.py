@@ -6,8 +6,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from flatnet.geometry.triangles import cross, dot
+
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
+
+#: A volume below this share of the product of the lengths that span it is round-off: the points lie in a plane.
+ROUND_OFF = 1e-14
 
 
 def self_intersections(vertices: Floats, triangles: Ints) -> Ints:
@@ -41,12 +46,16 @@ def self_intersections(vertices: Floats, triangles: Ints) -> Ints:
 
 
 def _pierces(start: Floats, end: Floats, corners: Floats) -> NDArray[np.bool_]:
-    """Which segments pass through the inside of their triangle, by the signs of five volumes."""
+    """Which segments pass through the inside of their triangle, by the signs of five volumes; not in its plane."""
 
-    def volume(p: Floats, q: Floats, r: Floats, s: Floats) -> Floats:
-        return np.einsum("ij,ij->i", np.cross(q - p, r - p), s - p)
+    def side(p: Floats, q: Floats, r: Floats, s: Floats) -> Floats:
+        """On which side of the plane through p, q, r point s lies, and 0 on it, (k,)."""
+        u, v, w = q - p, r - p, s - p
+        volume = dot(cross(u, v), w)
+        reach = np.sqrt(dot(u, u) * dot(v, v) * dot(w, w))
+        return np.where(np.abs(volume) > ROUND_OFF * reach, np.sign(volume), 0.0)
 
     a, b, c = corners[:, 0], corners[:, 1], corners[:, 2]
-    across = volume(a, b, c, start) * volume(a, b, c, end) < 0.0
-    around = np.stack([volume(start, end, a, b), volume(start, end, b, c), volume(start, end, c, a)])
-    return across & ((around > 0.0).all(axis=0) | (around < 0.0).all(axis=0))
+    across = side(a, b, c, start) * side(a, b, c, end) < 0.0
+    around = side(start, end, a, b) + side(start, end, b, c) + side(start, end, c, a)
+    return across & (np.abs(around) == 3.0)

@@ -1,9 +1,11 @@
-"""Angles of closed polygons in space: plain ones, and those predicted from edge normals (paper Fig. 3)."""
+"""Edges and angles of closed polygons: plain angles, and those predicted from edge normals (paper Fig. 3)."""
 
 from __future__ import annotations
 
 import numpy as np
 from numpy.typing import NDArray
+
+from flatnet.geometry.triangles import dot
 
 Floats = NDArray[np.float64]
 
@@ -11,16 +13,22 @@ Floats = NDArray[np.float64]
 OPPOSED = 1e-6
 
 
-def _rows_dot(a: Floats, b: Floats) -> Floats:
-    return np.einsum("ij,ij->i", a, b)
+def edge_vectors(polygon: Floats) -> Floats:
+    """From every vertex of a closed polygon to the next, (n, d); the last edge leads back to the first vertex."""
+    return np.roll(polygon, -1, axis=0) - polygon
+
+
+def side_lengths(polygon: Floats) -> Floats:
+    """Length of every edge of a closed polygon, (n,)."""
+    return np.linalg.norm(edge_vectors(polygon), axis=1)
 
 
 def polygon_angles(vertices: Floats) -> Floats:
     """Angle v_{i-1} v_i v_{i+1} at every vertex of a closed polygon, (n,), rad in [0, pi] (Lemma 1)."""
-    forward = np.roll(vertices, -1, axis=0) - vertices
-    backward = np.roll(vertices, 1, axis=0) - vertices
+    forward = edge_vectors(vertices)
+    backward = -np.roll(forward, 1, axis=0)
     sine = np.linalg.norm(np.cross(forward, backward), axis=1)
-    return np.arctan2(sine, _rows_dot(forward, backward))
+    return np.arctan2(sine, dot(forward, backward))
 
 
 def predicted_angles(vertices: Floats, normals: Floats) -> tuple[Floats, NDArray[np.bool_]]:
@@ -48,9 +56,9 @@ def predicted_angles(vertices: Floats, normals: Floats) -> tuple[Floats, NDArray
     opposed = length < OPPOSED
     mean = total / np.where(opposed, 1.0, length)[:, None]
 
-    sine = _rows_dot(mean, np.cross(forward, backward))
+    sine = dot(mean, np.cross(forward, backward))
     # The dot product of the projections; the cross product's part along `mean` needs no projecting.
-    cosine = _rows_dot(forward, backward) - _rows_dot(forward, mean) * _rows_dot(backward, mean)
+    cosine = dot(forward, backward) - dot(forward, mean) * dot(backward, mean)
     alpha = np.arctan2(sine, cosine) % (2.0 * np.pi)
     alpha = np.where(opposed, polygon_angles(vertices), alpha)
     turns_back = (following == previous).all(axis=1)

@@ -20,6 +20,7 @@ from flatnet.geometry.delaunay import (
     tie_break,
     twins_of,
 )
+from flatnet.geometry.polygon import side_lengths
 from flatnet.geometry.triangles import corner_angles
 
 Floats = NDArray[np.float64]
@@ -57,9 +58,8 @@ def near_segments(points: Floats, outline: Floats, distances: Floats) -> tuple[I
 
 def in_lens(points: Floats, outline: Floats, lens_angle: float) -> Bools:
     """Whether a point sees some edge of the outline under more than `lens_angle`, (m,)."""
-    lengths = np.linalg.norm(np.roll(outline, -1, axis=0) - outline, axis=1)
     height = 0.5 / np.tan(0.5 * lens_angle)
-    point, edge = near_segments(points, outline, height * lengths)
+    point, edge = near_segments(points, outline, height * side_lengths(outline))
     u = outline[edge] - points[point]
     v = np.roll(outline, -1, axis=0)[edge] - points[point]
     angle = np.arctan2(np.abs(cross(u, v)), np.sum(u * v, axis=1))

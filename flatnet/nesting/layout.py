@@ -62,6 +62,17 @@ class Placement:
         """Points of the piece's frame, (n, 2), on the sheet."""
         return points @ turn(self.rotation_deg, self.mirrored).T + (self.x_mm, self.y_mm)
 
+    def as_dict(self) -> dict[str, str | int | float | bool]:
+        """As report.json and layout.json say it."""
+        return {
+            "patch": self.piece.name,
+            "copy": self.copy,
+            "mirrored": self.mirrored,
+            "rotation_deg": self.rotation_deg,
+            "x_mm": self.x_mm,
+            "y_mm": self.y_mm,
+        }
+
     def __str__(self) -> str:
         return str(Copy(self.piece, self.copy, self.mirrored))
 

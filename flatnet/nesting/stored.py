@@ -55,7 +55,7 @@ def write_stored(path: Path, layouts: Iterable[Layout]) -> None:
     stored: dict[str, list[list[dict[str, Any]]]] = {}
     for layout in layouts:
         if not layout.draft:
-            stored.setdefault(layout.digest, []).append([_record(p) for p in layout.placements])
+            stored.setdefault(layout.digest, []).append([p.as_dict() for p in layout.placements])
     path.write_text(json.dumps({"format": FORMAT, "layouts": stored}, indent=1) + "\n", encoding="utf-8")
 
 
@@ -71,17 +71,6 @@ def restore(
         )
     except (KeyError, TypeError, ValueError):  # a file that somebody edited
         return None
-
-
-def _record(placement: Placement) -> dict[str, Any]:
-    return {
-        "patch": placement.piece.name,
-        "copy": placement.copy,
-        "mirrored": placement.mirrored,
-        "rotation_deg": placement.rotation_deg,
-        "x_mm": placement.x_mm,
-        "y_mm": placement.y_mm,
-    }
 
 
 def _placement(record: Mapping[str, Any], by_name: Mapping[str, Piece]) -> Placement:

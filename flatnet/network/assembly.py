@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.network.boundaries import make_patch
-from flatnet.network.curves import place_nodes, sample_curve
+from flatnet.network.curves import CurveSamples, place_nodes, sample_curve
 from flatnet.network.faces import match_faces
 from flatnet.network.graph import dangling_ends, rotation_system, trace_faces
 from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
 from flatnet.network.normals import stretch_normals
 from flatnet.network.patch import Patch
-from flatnet.project.model import Problem, Project, ProjectError
+from flatnet.project.model import CurveSpec, Problem, Project, ProjectError
 
 Floats = NDArray[np.float64]
 
@@ -81,13 +81,21 @@ def sample_stretches(
     problems = []
     for curve in project.curves.values():
         try:
-            samples = sample_curve(curve, places, surface, project.chord_tolerance)
-            for part in samples.stretches:
-                left, right = stretch_normals(curve, samples, part, surface)
-                name = curve.name if len(samples.stretches) == 1 else f"{curve.name}:{part.start}..{part.end}"
-                stretches[name] = SampledStretch(
-                    name, curve.name, part.start, part.end, part.vertices, left, right, curve.slit
-                )
+            stretches |= _stretches_of(curve, sample_curve(curve, places, surface, project.chord_tolerance), surface)
         except GeometryError as found:
             problems.append(found.problem)
     return stretches, problems
+
+
+def _stretches_of(
+    curve: CurveSpec, samples: CurveSamples, surface: ReferenceSurface | None
+) -> dict[str, SampledStretch]:
+    """A curve's stretches with their normals, by name."""
+    stretches = {}
+    for part in samples.stretches:
+        left, right = stretch_normals(curve, samples, part, surface)
+        name = curve.name if len(samples.stretches) == 1 else f"{curve.name}:{part.start}..{part.end}"
+        stretches[name] = SampledStretch(
+            name, curve.name, part.start, part.end, part.vertices, left, right, curve.slit
+        )
+    return stretches

@@ -8,7 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
-from flatnet.geometry.polygon import predicted_angles
+from flatnet.geometry.polygon import edge_vectors, predicted_angles
+from flatnet.geometry.triangles import dot
 from flatnet.network.graph import Dart
 from flatnet.network.network import SampledStretch
 from flatnet.network.patch import BoundaryCurve, Patch, Stretch
@@ -156,17 +157,17 @@ def _side_changes(
 ) -> list[Problem]:
     """A problem for every curve whose normals stand on the other side than those of most of the boundary."""
     vertices, normals = boundary.vertices, boundary.normals
-    edges = np.roll(vertices, -1, axis=0) - vertices
+    edges = edge_vectors(vertices)
     lengths = np.linalg.norm(edges, axis=1)
     following = edges / lengths[:, None]
     previous = np.roll(following, 1, axis=0)
     before = np.roll(normals, 1, axis=0)
     # The least rotation that takes one edge's direction to the next takes its normal along.
-    cosine = np.einsum("ij,ij->i", previous, following)
+    cosine = dot(previous, following)
     comparable = cosine > -np.cos(TURNS_BACK)
-    lean = np.einsum("ij,ij->i", before, following) / np.where(comparable, 1.0 + cosine, 1.0)
+    lean = dot(before, following) / np.where(comparable, 1.0 + cosine, 1.0)
     transported = before - lean[:, None] * (previous + following)
-    changes = comparable & (np.einsum("ij,ij->i", transported, normals) < np.cos(SIDE_CHANGE))
+    changes = comparable & (dot(transported, normals) < np.cos(SIDE_CHANGE))
     if not changes.any():
         return []
     side = np.cumsum(changes) % 2 == 1

@@ -74,7 +74,7 @@ def place_nodes(
     projected = {name for name, node in nodes.items() if node.on_surface}
     for curve in curves.values():
         if curve.on_surface:
-            projected |= {p for p in (curve.start, curve.end, *curve.points) if isinstance(p, str)}
+            projected.update(curve.nodes)
     places = {}
     for name, node in nodes.items():
         position = np.array(node.position, dtype=float)

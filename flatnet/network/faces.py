@@ -28,8 +28,8 @@ def match_faces(
     """Give every `around` its face and every face its `around`.
 
     Problems are: an `around` that is no face, or could be several; a face listed twice; a face listed nowhere
-    (unless the project says `rest: openings`). Where a closed curve without node is the whole network, the
-    side of it that is not listed is open without further word.
+    (unless the project says `rest: openings`); no patch at all. Where a closed curve without node is the whole
+    network, the side of it that is not listed is open without further word.
     """
     matcher = _Matcher(stretches, traced.faces)
     problems: list[Problem] = []
@@ -59,6 +59,8 @@ def match_faces(
     lone_side = len(traced.faces) == 2 and stretches[traced.faces[0].darts[0].stretch].start is None
     if rest and not project.rest_is_open and not (lone_side and len(rest) == 1):
         problems.append(_unlisted(project, stretches, matcher, rest, len(traced.euler_characteristics)))
+    elif not project.patches:
+        problems.append(Problem(None, "every face is an opening, and no patch is left to make"))
     return MatchedFaces(found["patch"], found["opening"]), problems
 
 

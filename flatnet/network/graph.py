@@ -10,6 +10,7 @@ import networkx as nx
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.geometry.triangles import dot, unit
 from flatnet.network.network import GeometryError, SampledStretch
 from flatnet.project.model import CurveSpec, NodeSpec, Problem
 
@@ -40,10 +41,9 @@ class Dart(NamedTuple):
 
 @dataclass(frozen=True)
 class Face:
-    """A loop of darts with one face on its left; `component` counts the connected parts of the network."""
+    """A loop of darts with one face on its left."""
 
     darts: tuple[Dart, ...]
-    component: int
 
 
 @dataclass(frozen=True)
@@ -69,11 +69,16 @@ def dangling_ends(
     places: Mapping[str, Floats],
     curves: Mapping[str, CurveSpec],
 ) -> list[Problem]:
-    """A problem for every curve that ends inside a face and is no slit: the nearest node, and the gap."""
+    """A problem for every curve that ends inside a face and is no slit: the nearest node, and the gap.
+
+    Nodes of curves that could not be sampled are passed over: those curves may well go on there.
+    """
     problems = []
+    sampled = {stretch.curve for stretch in stretches.values()}
+    unsure = {node for curve in curves.values() if curve.name not in sampled for node in curve.nodes}
     for node, leaving in darts_at_nodes(stretches).items():
         stretch = stretches[leaving[0].stretch]
-        if len(leaving) > 1 or stretch.slit:
+        if len(leaving) > 1 or stretch.slit or node in unsure:
             continue
         here = places[node]
         others = {name: float(np.linalg.norm(place - here)) for name, place in places.items() if name != node}
@@ -93,7 +98,7 @@ def dangling_ends(
 
 def _distance(point: Floats, polyline: Floats) -> float:
     start, chord = polyline[:-1], np.diff(polyline, axis=0)
-    fraction = np.einsum("ij,ij->i", point - start, chord) / np.einsum("ij,ij->i", chord, chord)
+    fraction = dot(point - start, chord) / dot(chord, chord)
     nearest = start + np.clip(fraction, 0.0, 1.0)[:, None] * chord
     return float(np.linalg.norm(point - nearest, axis=1).min())
 
@@ -162,8 +167,7 @@ def _order_around(
 def _direction(stretch: SampledStretch, reversed_: bool) -> Floats:
     """Unit direction of a dart's first edge."""
     v = stretch.vertices
-    edge = v[-2] - v[-1] if reversed_ else v[1] - v[0]
-    return edge / np.linalg.norm(edge)
+    return unit(v[-2] - v[-1] if reversed_ else v[1] - v[0])
 
 
 def _normals_at(stretch: SampledStretch, reversed_: bool) -> Floats:
@@ -195,7 +199,7 @@ def trace_faces(stretches: Mapping[str, SampledStretch], rotation: Mapping[str, 
     walked: set[tuple[Vertex, Vertex]] = set()
     faces: list[Face] = []
     characteristics = []
-    for component, vertices in enumerate(_components(neighbours, stretches)):
+    for vertices in _components(neighbours, stretches):
         names = [name for name in stretches if (name, 1) in vertices]
         loops = [
             embedding.traverse_face(*half_edge, mark_half_edges=walked)
@@ -203,7 +207,7 @@ def trace_faces(stretches: Mapping[str, SampledStretch], rotation: Mapping[str, 
             for half_edge in (((name, 1), (name, 2)), ((name, 2), (name, 1)))
             if half_edge not in walked
         ]
-        faces += [Face(_darts(loop), component) for loop in loops]
+        faces += [Face(_darts(loop)) for loop in loops]
         edges = sum(len(neighbours[v]) for v in vertices) // 2
         characteristics.append(len(vertices) - edges + len(loops))
     return TracedFaces(tuple(faces), tuple(characteristics))

@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.triangles import dot, unit
 from flatnet.network.curves import ControlPolygon, CurveSamples, StretchSamples
 from flatnet.network.network import GeometryError
 from flatnet.project.model import CurveSpec, NormalList
@@ -46,8 +47,7 @@ def stretch_normals(
 
 def _given(normals: NormalList, samples: CurveSamples, middles: Floats) -> Floats:
     """Given normals at arclengths: interpolated between points, constant along segments; at most 1 long."""
-    lengths = np.linalg.norm(normals.values, axis=1, keepdims=True)
-    values = normals.values / np.where(lengths > 0.0, lengths, 1.0)
+    values = normals.values
     if normals.per == "curve":
         return np.broadcast_to(values[0], (len(middles), 3))
     arcs = samples.control_arclengths
@@ -72,9 +72,8 @@ def _from_control_start(values: Floats, control: ControlPolygon) -> Floats:
 def _orthogonal(curve: CurveSpec, stretch: StretchSamples, normals: Floats) -> Floats:
     """Normals, at most 1 long, made orthogonal to their edges and scaled to unit length."""
     vertices = stretch.vertices
-    edges = np.diff(vertices, axis=0)
-    edges = edges / np.linalg.norm(edges, axis=1, keepdims=True)
-    across = normals - np.einsum("ij,ij->i", normals, edges)[:, None] * edges
+    edges = unit(np.diff(vertices, axis=0))
+    across = normals - dot(normals, edges)[:, None] * edges
     length = np.linalg.norm(across, axis=1, keepdims=True)
     bad = np.flatnonzero(length[:, 0] < ALONG_EDGE)
     if len(bad):

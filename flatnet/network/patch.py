@@ -7,6 +7,8 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.geometry.polygon import side_lengths
+
 Floats = NDArray[np.float64]
 
 
@@ -56,7 +58,7 @@ class BoundaryCurve:
         """Words for the place `position` (a vertex index, or between two of them): seam and mm along it."""
         n = len(self.vertices)
         edge = int(position) % n
-        lengths = np.linalg.norm(np.roll(self.vertices, -1, axis=0) - self.vertices, axis=1)
+        lengths = side_lengths(self.vertices)
         for stretch in self.stretches:
             offset = (edge - stretch.first) % n
             if offset < stretch.count:

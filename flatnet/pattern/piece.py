@@ -51,6 +51,7 @@ class Piece:
     ----------
     sew_line : (n, 2) float; the flat boundary of the patch, untouched.
     cut_line : (k, 2) float; the sew line and its allowance.
+    holes : (k, 2) float each, clockwise; cut out inside it: what a patch that closes on itself goes round.
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
     label : name, copies and material, well inside the piece.
     cut, mirrored : how many plain and how many mirrored copies are cut.
@@ -60,6 +61,7 @@ class Piece:
     name: str
     sew_line: Floats
     cut_line: Floats
+    holes: tuple[Floats, ...]
     seams: tuple[SeamRun, ...]
     grain: Floats | None
     label: Label
@@ -68,13 +70,13 @@ class Piece:
     material: str
 
     def __post_init__(self) -> None:
-        self.sew_line.setflags(write=False)
-        self.cut_line.setflags(write=False)
+        for line in (self.sew_line, self.cut_line, *self.holes):
+            line.setflags(write=False)
 
     @cached_property
     def region(self) -> Polygon:
-        """What is inside the cut line."""
-        return region_of(self.cut_line)
+        """What is inside the cut line and outside its holes."""
+        return Polygon(self.cut_line, self.holes) if self.holes else region_of(self.cut_line)
 
     @property
     def area(self) -> float:
@@ -105,16 +107,23 @@ def region_of(outline: Floats) -> Polygon:
     return Polygon(parts[0].exterior, [hole for hole in parts[0].interiors if Polygon(hole).area > slack])
 
 
-def offset_outline(outline: Floats, region: Polygon, allowance: float) -> Floats:
-    """The outline with a uniform allowance, mitred at corners up to `MITRE_LIMIT`, (k, 2) float, mm.
+def offset_outline(outline: Floats, region: Polygon, allowance: float) -> tuple[Floats, tuple[Floats, ...]]:
+    """The outline with a uniform allowance, mitred at corners up to `MITRE_LIMIT`, and the holes left inside it.
 
-    On straight parts and at convex corners the distance is exact; along inward curves GEOS leaves vertices
-    out where that widens the allowance by up to 1 %, never narrows it.
+    A ring that is cut open and lies closed in the plane has a hole; without allowance its outline runs round
+    the hole by itself. On straight parts and at convex corners the distance is exact; along inward curves GEOS
+    leaves vertices out where that widens the allowance by up to 1 %, never narrows it.
     """
     if allowance == 0.0:
-        return outline
+        return outline, ()
     grown = region.buffer(allowance, join_style="mitre", mitre_limit=MITRE_LIMIT)
-    return shapely.get_coordinates(shapely.orient_polygons(Polygon(grown.exterior)).exterior)[:-1]
+    grown = shapely.orient_polygons(grown)
+    slack = TOUCH * grown.length
+    cut_line, *holes = (
+        shapely.get_coordinates(ring)[:-1]
+        for ring in (grown.exterior, *(hole for hole in grown.interiors if Polygon(hole).area > slack))
+    )
+    return cut_line, tuple(holes)
 
 
 def make_piece(fitted: FittedPatch, material: Material) -> Piece:
@@ -143,10 +152,12 @@ def make_piece(fitted: FittedPatch, material: Material) -> Piece:
         if seam:
             free = free.difference(seam.box)
         seams.append(SeamRun(stretch.seam, along[::-1].copy() if stretch.reversed else along, seam))
+    cut_line, holes = offset_outline(sew_line, inside, material.allowance)
     return Piece(
         name=patch.name,
         sew_line=sew_line,
-        cut_line=offset_outline(sew_line, inside, material.allowance),
+        cut_line=cut_line,
+        holes=holes,
         seams=tuple(seams),
         grain=grain_line(free) if patch.grain is not None else None,
         label=label,

@@ -48,8 +48,7 @@ class FaceSetting:
 
 def stretches(curve: CurveSpec) -> list[tuple[str, str]]:
     """The pairs of nodes between which a curve's stretches run; none where it has no node."""
-    inner = [point for point in curve.points if isinstance(point, str)]
-    nodes = [node for node in (curve.start, *inner, curve.end) if node is not None]
+    nodes = curve.nodes
     return list(pairwise(nodes + nodes[:1] if curve.closed and curve.start is None else nodes))
 
 

@@ -134,6 +134,11 @@ class CurveSpec:
     normals: NormalSpec
     mark: Mark
 
+    @property
+    def nodes(self) -> list[str]:
+        """The nodes that it passes, in its order; the one where it starts and ends stands at both ends."""
+        return [place for place in (self.start, *self.points, self.end) if isinstance(place, str)]
+
 
 @dataclass(frozen=True)
 class SignedCurve:

@@ -12,6 +12,7 @@ from flatnet.geometry.triangles import (
     area_vectors,
     bending,
     corner_angles,
+    dot,
     hinge_angles,
     hinges_of,
     signed_areas,
@@ -58,7 +59,7 @@ def surface_distance(fitted: FittedPatch, surface: ReferenceSurface) -> dict[str
     nearest, normals = surface.nearest(fitted.mesh.vertices)
     offset = fitted.mesh.vertices - nearest
     distance = np.linalg.norm(offset, axis=1)
-    inside = np.einsum("ij,ij->i", offset, normals) < 0.0
+    inside = dot(offset, normals) < 0.0
     return {
         "mean": float(distance.mean()),
         "max": float(distance.max()),

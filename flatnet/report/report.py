@@ -103,15 +103,5 @@ def _layout_record(file: str, layout: Layout) -> dict[str, object]:
         "used_length_mm": layout.used_length,
         "utilisation": layout.utilisation,
         "draft": layout.draft,
-        "pieces": [
-            {
-                "patch": placement.piece.name,
-                "copy": placement.copy,
-                "mirrored": placement.mirrored,
-                "rotation_deg": placement.rotation_deg,
-                "x_mm": placement.x_mm,
-                "y_mm": placement.y_mm,
-            }
-            for placement in layout.placements
-        ],
+        "pieces": [placement.as_dict() for placement in layout.placements],
     }

@@ -27,14 +27,16 @@ def seam_records(network: CurveNetwork, fitted: Mapping[str, FittedPatch]) -> li
 def _record(
     seam: SampledStretch, sides: Iterable[tuple[Patch, Stretch]], fitted: Mapping[str, FittedPatch]
 ) -> dict[str, object]:
-    vertices, flat_lengths, normals = [], [], []
+    vertices, normals = [], []
+    flat_lengths: list[float | None] = []  # None for a patch that could not be made
     for patch, stretch in sides:
         ids = side_vertices(stretch, len(patch.boundary.vertices))
         vertices.append({"patch": patch.name, "vertices": ids.tolist()})
-        if patch.name in fitted:
-            flat_lengths.append(_length(fitted[patch.name].outline[ids]))
-            normals.append(_mesh_normals(fitted[patch.name], stretch))
-    first, second = (flat_lengths + [None, None])[:2]
+        made = fitted.get(patch.name)
+        flat_lengths.append(_length(made.outline[ids]) if made else None)
+        if made:
+            normals.append(_mesh_normals(made, stretch))
+    first, second = [*flat_lengths, None][:2]
     gap = float(np.degrees(angles_between(*normals).max())) if len(normals) == 2 else None
     return {
         "curve": seam.name,

@@ -11,7 +11,7 @@ from flatnet.project.model import Project
 
 def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
     """One line per patch, failures with what to do, then the layouts and where everything is."""
-    width = max(len(patch["name"]) for patch in report["patches"])
+    width = max((len(patch["name"]) for patch in report["patches"]), default=0)
     lines = [_patch_line(patch, width) for patch in report["patches"]]
     for finding in report["findings"]:
         if not finding["patch"]:

@@ -94,6 +94,18 @@ def test_coordinates_inside_a_group_are_the_flat_ones_to_a_thousandth(tmp_path):
     assert max(len(n.split(".")[1]) for pair in numbers.split() for n in pair.split(",")) <= 3
 
 
+def test_holes_are_closed_parts_of_the_cut_path(tmp_path):
+    inner = 0.4 * SQUARE + 30.0
+    ring = np.concatenate([SQUARE, SQUARE[:1], inner[[0, 3, 2, 1, 0]]])
+    made = piece(ring, MATERIAL, name="ring")
+    write_piece(tmp_path / "ring.svg", made)
+    (group,) = groups(read(tmp_path / "ring.svg"))
+    (cut,) = [e for e in group.select() if isinstance(e, Path) and e.values.get("class") == "cut"]
+    assert [type(segment).__name__ for segment in cut].count("Close") == 2
+    (hole,) = made.holes
+    assert np.ptp(hole, axis=0) == pytest.approx([28.0, 28.0])  # 40 mm less an allowance of 6 on both sides
+
+
 def texts(svg):
     return [e for e in svg.elements() if isinstance(e, Text)]
 

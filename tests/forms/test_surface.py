@@ -9,12 +9,12 @@ from flatnet.forms.surface import ReferenceSurface, tidy_mesh
 
 def sphere(radius: float, subdivisions: int) -> ReferenceSurface:
     mesh = trimesh.creation.icosphere(subdivisions, radius)
-    return ReferenceSurface(tidy_mesh(mesh.vertices, mesh.faces), "sphere")
+    return ReferenceSurface(tidy_mesh(mesh.vertices, mesh.faces))
 
 
 def test_the_nearest_point_of_a_box_is_the_clamped_one():
     box = trimesh.creation.box([2.0, 4.0, 6.0])
-    surface = ReferenceSurface(tidy_mesh(box.vertices, box.faces), "box")
+    surface = ReferenceSurface(tidy_mesh(box.vertices, box.faces))
     half = np.array([1.0, 2.0, 3.0])
     points = np.random.default_rng(0).uniform(-10.0, 10.0, (500, 3))
     points = points[(np.abs(points) > half).any(axis=1)]
@@ -62,7 +62,7 @@ def test_no_points():
 def test_normals_do_not_depend_on_how_a_plane_is_cut_up():
     """Angle-weighted: a box's corner that one face meets with two triangles points along the diagonal."""
     box = trimesh.creation.box([2.0, 2.0, 2.0])
-    surface = ReferenceSurface(tidy_mesh(box.vertices, box.faces), "box")
+    surface = ReferenceSurface(tidy_mesh(box.vertices, box.faces))
     _, normals = surface.nearest(np.array([[3.0, 3.0, 3.0], [3.0, -3.0, 3.0]]))
     assert np.allclose(normals, np.array([[1, 1, 1], [1, -1, 1]]) / np.sqrt(3.0), atol=1e-12)
 

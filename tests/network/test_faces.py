@@ -257,3 +257,13 @@ class TestNoFace:
         assert len(caught.value.problems) == 3  # p, q, and the two faces that are listed nowhere
         lines = [problem.mark.line for problem in caught.value.problems]
         assert lines == sorted(lines)
+
+
+def test_a_network_of_openings_alone_is_refused(tmp_path):
+    nodes, curves = square()
+    openings = {
+        "inside": {"around": SQUARE_AROUND},
+        "outside": {"around": [f"-{name}" for name in reversed(SQUARE_AROUND)]},
+    }
+    with pytest.raises(ProjectError, match="no patch is left to make"):
+        network_of(tmp_path, nodes=nodes, curves=flat(curves), openings=openings)

@@ -2,7 +2,7 @@
 
 import numpy as np
 import pytest
-from drawn import SQUARE_AROUND, excess, flat, line, network_of, square
+from drawn import SQUARE_AROUND, UP, excess, flat, line, network_of, square
 
 from flatnet.geometry.polygon import predicted_angles
 from flatnet.project import ProjectError
@@ -114,6 +114,16 @@ class TestDanglingEnd:
         message = str(caught.value)
         assert f"the nearest node is 'ne', gap {np.hypot(2, 1):.3f} mm" in message
         assert "nearer is curve 'north', gap 1.000 mm" in message
+
+    def test_a_curve_that_could_not_be_sampled_makes_no_neighbour_dangle(self, tmp_path):
+        nodes, curves = square()
+        nodes["m"] = [20, 0, 0]
+        along = {"per": "segment", "values": [UP, [1, 0, 0]]}  # its second stretch has normals along itself
+        curves = flat(curves) | {"south": line("sw", "se", points=["m"], normals=along)}
+        with pytest.raises(ProjectError) as caught:
+            network_of(tmp_path, nodes=nodes, curves=curves, patches={"p": {"around": SQUARE_AROUND}})
+        (problem,) = caught.value.problems
+        assert "curve 'south': the normal at 25.0 mm along it points along the curve" in problem.message
 
     def test_two_curves_that_just_miss_each_other_are_both_told(self, tmp_path):
         nodes, curves = square()

@@ -67,6 +67,18 @@ def test_a_closed_slit_is_cut_once_and_takes_nothing_from_the_piece():
     assert piece(slit, cloth(allowance=5.0)).area == pytest.approx(110.0**2, rel=1e-12)
 
 
+def test_a_ring_that_lies_closed_keeps_its_hole():
+    outer, inner = SQUARE, 0.4 * SQUARE + 30.0
+    ring = np.concatenate([outer, outer[:1], inner[[0, 3, 2, 1, 0]]])
+    assert piece(ring).area == pytest.approx(100.0**2 - 40.0**2, rel=1e-12)
+    made = piece(ring, cloth(allowance=5.0))
+    assert made.area == pytest.approx(110.0**2 - 30.0**2, rel=1e-12)
+    (hole,) = made.holes
+    assert not shapely.is_ccw(shapely.LinearRing(hole))
+    filled = piece(ring, cloth(allowance=25.0))  # the allowance fills the hole
+    assert filled.holes == () and filled.area == pytest.approx(150.0**2, rel=1e-12)
+
+
 def test_a_slit_whose_sides_cross_by_round_off_is_still_closed():
     hair = 1e-10
     slit = [[0, 0], [100, 0], [100, 50 + hair], [70, 50 - hair], [40, 50], [70, 50 + hair], [100, 50 - hair]]
