@@ -36,7 +36,7 @@ class FairParameters:
     ramp_steps: int = 16
     ramp_start: float = 0.1
     ramp_end: float = 100.0
-    tolerance: float = 1e-10
+    tolerance: float = 1e-9
     max_steps: int = 200
     remesh_rounds: int = 3
 

@@ -5,16 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import replace
 
 import numpy as np
 
 from flatnet.failure import PatchFailure
-from flatnet.fitting.fair import fit_fair, refit_fair
+from flatnet.fitting.levels import fit_in_levels
 from flatnet.fitting.multi_loop import multi_loop
 from flatnet.fitting.planar_boundary import fit_planar_boundary
-from flatnet.fitting.remesh import carried_over, flat_boundary, rest_strain
-from flatnet.fitting.results import FittedPatch, FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
+from flatnet.fitting.results import FittedPatch, FlattenableMesh
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.unfold import unfold
 from flatnet.fitting.warp import warp
@@ -23,8 +21,6 @@ from flatnet.geometry.triangles import hinge_angles, hinges_of
 from flatnet.network.patch import BoundaryCurve, Patch
 from flatnet.parameters import FairParameters, FittingParameters
 
-#: A mesh whose edges have left those of M^p by more than this (root mean square) is meshed anew.
-REMESH_STRAIN = 0.08
 #: A hinge sharper than this is a fold, rad.
 FOLD = np.radians(120.0)
 
@@ -52,9 +48,10 @@ def fit_patch(
     with _timed("warp", seconds):
         warped = warp(planar, boundary)
     with _timed("flattenable_mesh", seconds):
-        mesh = make_flattenable(warped, boundary, planar, parameters)
         if isinstance(parameters, FairParameters):
-            mesh = _remeshed(mesh, planar, planar_boundary, patch, parameters)
+            mesh = fit_in_levels(warped, planar, planar_boundary, patch, parameters)
+        else:
+            mesh = multi_loop(warped, boundary, planar, parameters)
         _check_converged(mesh, boundary, parameters.tolerance)
         _check_folds(mesh)
     with _timed("unfold", seconds):
@@ -63,42 +60,6 @@ def fit_patch(
     return FittedPatch(
         patch, planar_boundary, planar, warped, mesh, flat, planar_boundary.warnings, dict(seconds)
     )
-
-
-def make_flattenable(
-    warped: WarpedMesh,
-    boundary: BoundaryCurve,
-    planar: PlanarMesh,
-    parameters: FittingParameters,
-) -> FlattenableMesh:
-    """M from M^0 by the method that the parameters belong to (paper 4)."""
-    if isinstance(parameters, FairParameters):
-        return fit_fair(warped, boundary, planar, parameters)
-    return multi_loop(warped, boundary, planar, parameters)
-
-
-def _remeshed(
-    mesh: FlattenableMesh,
-    planar: PlanarMesh,
-    planar_boundary: PlanarBoundary,
-    patch: Patch,
-    parameters: FairParameters,
-) -> FlattenableMesh:
-    """M on fresh tessellations of its own flat outline, as long as it is far from the one it was made on."""
-    boundary = patch.boundary
-    for _ in range(parameters.remesh_rounds):
-        if mesh.max_flattenability > parameters.tolerance or rest_strain(planar, mesh) <= REMESH_STRAIN:
-            break
-        try:
-            flat = unfold(mesh, None)
-            planar = tessellate(flat_boundary(flat, planar_boundary), patch.edge_length, boundary.slit_tips)
-        except PatchFailure:  # the outline crosses itself on the way: what there is stands
-            break
-        again = refit_fair(carried_over(mesh, flat, planar), boundary, planar, parameters)
-        if again.max_flattenability > parameters.tolerance:
-            break
-        mesh = replace(again, steps=mesh.steps + again.steps)
-    return mesh
 
 
 @contextmanager

@@ -1,8 +1,4 @@
-"""Mesh the final pattern anew: the fitted mesh is carried over to a fresh tessellation of its flat outline.
-
-M^p is not the final pattern: the outline moves on the way to a flattenable mesh, and the triangles of M^p with it. A
-mesh that is regular in its own flat shape bends more freely and keeps its angles when it is bent.
-"""
+"""Carry a fitted mesh over to a fresh tessellation of its flat outline."""
 
 from __future__ import annotations
 

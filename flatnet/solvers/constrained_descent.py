@@ -25,6 +25,8 @@ RAMP_STEP, NORMAL_STEP, TANGENT_STEP, TANGENT_STEP_MOST = 0.3, 0.2, 0.2, 0.5
 #: Penalty of the constraint in the factorised matrix: start, floor and ceiling of phase B; start and ceiling of C.
 BETA, BETA_FLOOR, BETA_CEILING = 1e5, 1e2, 1e5
 TAIL_BETA, TAIL_BETA_CEILING = 1e6, 1e9
+#: The tail aims at this part of the tolerance; where the surface is flat, c is quadratic and its last digits are hard.
+TAIL_GOAL = 0.1
 #: Phase B ends after so many full normal steps, or when E changes by less than this part.
 FULL_STEPS, SETTLED = 8, 2e-3
 #: A step must bring |c|^2 down to (1 - SUFFICIENT a) of itself, a the part of the normal step that is taken.
@@ -96,7 +98,9 @@ def solve(
         if number:
             state.x = state.x + height * problem.kick(state.x, number)
         _tangential_and_normal_steps(problem, state, limit)
-        status = _newton_tail(problem, state, tolerance, limit)
+        status = _newton_tail(problem, state, TAIL_GOAL * tolerance, limit)
+        if np.abs(problem.constraint(state.x)).max() <= tolerance:
+            status = "converged"
         if status != "stalled":
             break
     residual = float(np.abs(problem.constraint(state.x)).max())

@@ -1,0 +1,114 @@
+"""Run the default method coarse to fine, and on fresh tessellations of what it found.
+
+On a fine mesh the method finds worse minima, and slowly: the long waves of the sheet take many of its steps. On a
+coarse one it is quick to find the shape, which the finer ones keep. And M^p is not the final pattern: the outline
+moves on the way to a flattenable mesh and the triangles of M^p with it. A mesh that is regular in its own flat shape
+bends more freely, so the shape is meshed anew as long as it is far from the mesh it was found on.
+"""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+
+from flatnet.failure import PatchFailure
+from flatnet.fitting.fair import fit_fair, refit_fair
+from flatnet.fitting.remesh import carried_over, flat_boundary, rest_strain
+from flatnet.fitting.results import FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
+from flatnet.fitting.tessellation import tessellate
+from flatnet.fitting.unfold import unfold
+from flatnet.fitting.warp import warp
+from flatnet.network.patch import Patch
+from flatnet.parameters import FairParameters
+
+#: A mesh whose edges have left those of M^p by more than this (root mean square) is meshed anew.
+REMESH_STRAIN = 0.08
+#: The coarsest level has at the most about so many vertices, and each has a quarter of the next finer one's ...
+COARSE_VERTICES = 900
+#: ... but where the boundary's edges are short it may not get below this part of them: then there is one level.
+WORTH_WHILE = 0.6
+
+
+def fit_in_levels(
+    warped: WarpedMesh,
+    planar: PlanarMesh,
+    planar_boundary: PlanarBoundary,
+    patch: Patch,
+    parameters: FairParameters,
+) -> FlattenableMesh:
+    """M, on a tessellation with the patch's edge length.
+
+    Parameters
+    ----------
+    warped, planar : M^0 and M^p at the patch's edge length; where a coarser level can't be made flattenable,
+        the method starts from them.
+    """
+    coarse = _coarse_start(planar, planar_boundary, patch)
+    if coarse is not None:
+        coarse_planar, coarse_warped, lengths = coarse
+        mesh = _found(coarse_warped, coarse_planar, lengths[0], planar_boundary, patch, parameters)
+        for length in lengths[1:]:
+            finer = _on_fresh_mesh(mesh, length, planar_boundary, patch, parameters)
+            if finer is None:
+                break
+            mesh, _ = finer
+        else:
+            return mesh
+    return _found(warped, planar, patch.edge_length, planar_boundary, patch, parameters)
+
+
+def _coarse_start(
+    planar: PlanarMesh, planar_boundary: PlanarBoundary, patch: Patch
+) -> tuple[PlanarMesh, WarpedMesh, list[float]] | None:
+    """M^p and M^0 of the coarsest level and the edge lengths of all levels; None where one level is enough."""
+    count = len(planar.positions)
+    halvings = int(np.ceil(np.log(count / COARSE_VERTICES) / np.log(4.0)))
+    if halvings <= 0:
+        return None
+    lengths = [patch.edge_length * 2.0**level for level in range(halvings, -1, -1)]
+    coarse = tessellate(planar_boundary, lengths[0], patch.boundary.slit_tips)
+    if len(coarse.positions) > WORTH_WHILE * count:
+        return None
+    return coarse, warp(coarse, patch.boundary), lengths
+
+
+def _found(
+    warped: WarpedMesh,
+    planar: PlanarMesh,
+    edge_length: float,
+    planar_boundary: PlanarBoundary,
+    patch: Patch,
+    parameters: FairParameters,
+) -> FlattenableMesh:
+    """M from M^0, meshed anew as long as it is far from the mesh it was found on."""
+    mesh = fit_fair(warped, patch.boundary, planar, parameters)
+    for _ in range(parameters.remesh_rounds):
+        if mesh.max_flattenability > parameters.tolerance or rest_strain(planar, mesh) <= REMESH_STRAIN:
+            break
+        again = _on_fresh_mesh(mesh, edge_length, planar_boundary, patch, parameters)
+        if again is None:
+            break
+        mesh, planar = again
+    return mesh
+
+
+def _on_fresh_mesh(
+    mesh: FlattenableMesh,
+    edge_length: float,
+    planar_boundary: PlanarBoundary,
+    patch: Patch,
+    parameters: FairParameters,
+) -> tuple[FlattenableMesh, PlanarMesh] | None:
+    """M on a new tessellation of its own flat outline; None where that can't be made flattenable."""
+    if mesh.max_flattenability > parameters.tolerance:
+        return None
+    try:
+        flat = unfold(mesh, None)
+        planar = tessellate(flat_boundary(flat, planar_boundary), edge_length, patch.boundary.slit_tips)
+    except PatchFailure:  # the flat outline crosses itself
+        return None
+    again = refit_fair(carried_over(mesh, flat, planar), patch.boundary, planar, parameters)
+    if again.max_flattenability > parameters.tolerance:
+        return None
+    return replace(again, steps=mesh.steps + again.steps), planar
