@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint types clean
+.PHONY: demo test lint types bench clean
 
 demo: $(READY)
 	$(BIN)/flatnet build projects/pants/project.yaml -o out/pants
@@ -16,6 +16,11 @@ lint: $(READY)
 
 types: $(READY)
 	$(BIN)/mypy
+
+# In about 25 minutes; ARGS="--quick" in three, ARGS="--part scaling --large" one part with the largest mesh.
+bench: $(READY)
+	$(BIN)/python -m pip install --quiet --editable ".[dev,bench]"
+	$(BIN)/python -m tests.benchmark $(ARGS)
 
 # The environment is made once and again whenever pyproject.toml changes.
 $(READY): pyproject.toml

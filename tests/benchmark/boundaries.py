@@ -1,4 +1,4 @@
-"""Eight boundary curves with normals, the common ground for measuring flattenable meshes.
+"""Eight boundary curves with normals, the common ground for measuring flattenable meshes; and a ninth for Fig. 7.
 
 Each function takes the number of boundary edges n and returns (vertices (m, 3), edge normals (m, 3)),
 anticlockwise seen against the normals, m close to n, corners kept. Lengths are in units of the shape (about 1 to 3).
@@ -7,6 +7,7 @@ anticlockwise seen against the normals, m close to n, corners kept. Lengths are 
 from collections.abc import Callable
 
 import numpy as np
+from scipy.interpolate import CubicSpline
 
 from flatnet.geometry.triangles import unit
 from flatnet.network.patch import BoundaryCurve, Stretch
@@ -151,6 +152,27 @@ def cylinder(n):
     return on_surface(sides, surface, n)
 
 
+#: A broad body, an arm that hooks upwards, a second one to the right, a bay between.
+HOOK = np.array(
+    [
+        [0.0, 0.1], [0.7, 0.0], [1.5, 0.1], [2.0, 0.05], [2.7, 0.05], [3.05, 0.25], [2.95, 0.55], [2.5, 0.6],
+        [2.05, 0.65], [1.75, 0.95], [1.7, 1.3], [1.9, 1.6], [2.3, 1.65], [2.5, 1.85], [2.35, 2.15], [1.9, 2.2],
+        [1.35, 2.0], [1.1, 1.6], [0.95, 1.25], [0.6, 1.1], [0.1, 1.0], [-0.15, 0.55],
+    ]
+)  # fmt: skip
+
+
+def hook(n):
+    """A strongly hollow outline, like Fig. 5 of the paper, on a doubly curved graph."""
+
+    def surface(q):
+        return np.c_[q, 0.9 * np.cos(0.9 * q[:, 0] - 1.2) + 0.75 * np.cos(1.1 * q[:, 1] - 1.2)]
+
+    knots = np.arange(len(HOOK) + 1)
+    outline = CubicSpline(knots, np.concatenate([HOOK, HOOK[:1]]), bc_type="periodic")
+    return on_surface([lambda t: outline(knots[-1] * t)], surface, n)
+
+
 #: name -> (boundary of n edges, target edge length of the planar mesh over the mean boundary edge)
 CASES: dict[str, tuple[Callable, float]] = {
     "w05": (lambda n: wrinkle(n, 0.05), 1.3),
@@ -164,6 +186,10 @@ CASES: dict[str, tuple[Callable, float]] = {
 }
 
 
+#: As `CASES`: the outline of the paper's Fig. 5 and 7.
+HOOKED: dict[str, tuple[Callable, float]] = {"hook": (hook, 0.9)}
+
+
 def boundary_curve(vertices, normals, size=100.0) -> BoundaryCurve:
     """A boundary of one seam, `size` mm per unit, its normals made orthogonal to their edges."""
     edge = np.roll(vertices, -1, axis=0) - vertices
@@ -175,8 +201,8 @@ def boundary_curve(vertices, normals, size=100.0) -> BoundaryCurve:
 
 
 def case(name: str, n: int) -> tuple[BoundaryCurve, float]:
-    """One of `CASES` as a boundary curve, with its target edge length, mm."""
-    make, ratio = CASES[name]
+    """One of `CASES` or `HOOKED` as a boundary curve, with its target edge length, mm."""
+    make, ratio = (CASES | HOOKED)[name]
     boundary = boundary_curve(*make(n))
     edges = np.linalg.norm(np.roll(boundary.vertices, -1, axis=0) - boundary.vertices, axis=1)
     return boundary, ratio * float(edges.mean())
