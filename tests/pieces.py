@@ -32,6 +32,7 @@ def fitted(outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stre
         warped=WarpedMesh(space.copy(), triangles, n),
         mesh=FlattenableMesh(space.copy(), triangles, n, "fair", {}, "converged", 1),
         flat=outline.copy(),
+        has_grain=patch.grain is not None,
         warnings=(),
         seconds={},
     )

@@ -138,3 +138,11 @@ def test_a_bug_becomes_an_internal_error_with_its_traceback():
 def test_every_code_is_documented():
     text = (Path(__file__).parents[1] / "docs" / "failures.md").read_text()
     assert [code for code in CODES if f"`{code}`" not in text] == []
+
+
+def test_a_level_patch_whose_grain_is_up_says_so_and_has_no_arrow(tmp_path):
+    (tmp_path / "project.yaml").write_text(yaml.safe_dump(project({}, {})))
+    assert main(["build", str(tmp_path / "project.yaml"), "-o", str(tmp_path / "out")]) == 0
+    (patch,) = read_report(tmp_path / "out")["patches"]
+    assert [warning["code"] for warning in patch["warnings"]] == ["no_grain"]
+    assert 'class="grain"' not in (tmp_path / "out" / "pieces" / "good.svg").read_text()

@@ -43,7 +43,12 @@ class FlattenableProblem:
     """E(x) and c(x) of one patch as `solvers.constrained_descent` wants them; lengths in mean edges of M^p."""
 
     def __init__(
-        self, planar: Floats, triangles: Ints, boundary_count: int, parameters: FairParameters
+        self,
+        planar: Floats,
+        triangles: Ints,
+        boundary_count: int,
+        parameters: FairParameters,
+        min_angles: Floats | None = None,
     ) -> None:
         self._planar, self._boundary_count = planar, boundary_count
         vertex_count = len(planar)
@@ -51,7 +56,9 @@ class FlattenableProblem:
         free = np.zeros(total, dtype=bool)
         free[boundary_count:vertex_count] = True
         self.terms: list[Term] = fair_terms(planar, triangles, boundary_count, parameters)
-        self.sums = AngleSums(triangles, np.arange(boundary_count, vertex_count), total)
+        least = {i: float(a) for i, a in enumerate(min_angles if min_angles is not None else ()) if a > 0.0}
+        rows = np.concatenate([np.array(sorted(least), dtype=np.int64), np.arange(boundary_count, vertex_count)])
+        self.sums = AngleSums(triangles, rows, total, least)
         self._stars = self.sums.stars()
         stars = [vertices for _, vertices in self._stars]
         self.layout = BandLayout(free, [term.elements for term in self.terms] + stars)
@@ -146,7 +153,9 @@ def _fitted(
     """M from the vertices `start`, (m, 3) mm, of M^p's triangles."""
     scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
     centre = boundary.vertices.mean(axis=0)
-    problem = FlattenableProblem(planar.positions / scale, planar.triangles, planar.boundary_count, parameters)
+    problem = FlattenableProblem(
+        planar.positions / scale, planar.triangles, planar.boundary_count, parameters, boundary.min_angles
+    )
     ghosts = ghost_vertices(boundary.vertices, boundary.normals)
     x = (np.concatenate([start, ghosts]) - centre) / scale
     result = solve(

@@ -19,6 +19,7 @@ from scipy.sparse.linalg import spsolve
 from flatnet.geometry.derivatives import area_gradients, edge_length_gradients, hinge_angle_gradients
 from flatnet.geometry.triangles import (
     area_vectors,
+    boundary_triangles,
     corner_angles,
     edge_lengths,
     edges_of,
@@ -171,18 +172,11 @@ def hinge_weights(planar: Floats, hinges: Ints) -> Floats:
     return np.minimum(3.0 * length**2 / area, HINGE_WEIGHT_CAP)
 
 
-def boundary_hinges(triangles: Ints, boundary_count: int) -> Ints:
-    """The hinges between boundary triangles and their ghosts, (n, 4): i, i + 1, inner vertex, ghost m + i."""
-    vertex_count = int(triangles.max()) + 1
-    following = np.arange(1, boundary_count + 1) % boundary_count
-    inner = np.full(boundary_count, -1)
-    for corner in range(3):
-        tail, head = triangles[:, corner], triangles[:, (corner + 1) % 3]
-        on_boundary = tail < boundary_count
-        on_boundary[on_boundary] = following[tail[on_boundary]] == head[on_boundary]
-        inner[tail[on_boundary]] = triangles[on_boundary, (corner + 2) % 3]
-    ghosts = vertex_count + np.arange(boundary_count)
-    return np.stack([np.arange(boundary_count), following, inner, ghosts], axis=1)
+def boundary_hinges(triangles: Ints, boundary_count: int, first_ghost: int) -> Ints:
+    """The hinges between boundary triangles and their ghosts, (n, 4): i, i + 1, inner vertex, ghost of edge i."""
+    edge = np.arange(boundary_count)
+    _, inner = boundary_triangles(triangles, boundary_count)
+    return np.stack([edge, (edge + 1) % boundary_count, inner, first_ghost + edge], axis=1)
 
 
 def ghost_vertices(boundary: Floats, normals: Floats) -> Floats:
@@ -198,7 +192,7 @@ def fair_terms(
     """Bending, given normals, strain and area over a mesh whose ghosts follow its m vertices."""
     hinges = hinges_of(triangles)
     weights = hinge_weights(planar, hinges)
-    rim = boundary_hinges(triangles, boundary_count)
+    rim = boundary_hinges(triangles, boundary_count, len(planar))
     rim_length = edge_lengths(planar, rim[:, :2])
     rim_area = np.abs(signed_areas(planar, rim[:, :3]))
     # The ghost stands for a triangle as large as the one inside.

@@ -8,16 +8,16 @@ from contextlib import contextmanager
 
 import numpy as np
 
-from flatnet.failure import PatchFailure
+from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.levels import fit_in_levels
 from flatnet.fitting.multi_loop import multi_loop
 from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import FittedPatch, FlattenableMesh
 from flatnet.fitting.tessellation import tessellate
-from flatnet.fitting.unfold import unfold
+from flatnet.fitting.unfold import along_grain, unfold
 from flatnet.fitting.warp import warp
 from flatnet.geometry.crossings import polygon_crossings
-from flatnet.geometry.triangles import hinge_angles, hinges_of
+from flatnet.geometry.triangles import angle_sums, hinge_angles, hinges_of
 from flatnet.network.patch import BoundaryCurve, Patch
 from flatnet.parameters import FairParameters, FittingParameters
 
@@ -55,10 +55,32 @@ def fit_patch(
         _check_converged(mesh, boundary, parameters.tolerance)
         _check_folds(mesh)
     with _timed("unfold", seconds):
-        flat = unfold(mesh, patch.grain)
+        flat = unfold(mesh)
         _check_outline(flat[: mesh.boundary_count], boundary)
+        laid = along_grain(flat, mesh, patch.grain) if patch.grain is not None else None
+    warnings = planar_boundary.warnings
+    if patch.grain is not None and laid is None:
+        warnings += (_no_grain(patch),)
     return FittedPatch(
-        patch, planar_boundary, planar, warped, mesh, flat, planar_boundary.warnings, dict(seconds)
+        patch=patch,
+        planar_boundary=planar_boundary,
+        planar=planar,
+        warped=warped,
+        mesh=mesh,
+        flat=flat if laid is None else laid,
+        has_grain=laid is not None,
+        warnings=warnings,
+        seconds=dict(seconds),
+    )
+
+
+def _no_grain(patch: Patch) -> Finding:
+    x, y, z = np.asarray(patch.grain)
+    return Finding(
+        code="no_grain",
+        stage="unfold",
+        message=f"its grain direction ({x:g}, {y:g}, {z:g}) is nowhere along the patch: it is laid by its extent.",
+        remedy="Give `grain` a direction along the patch, or `none`.",
     )
 
 
@@ -77,6 +99,20 @@ def _point(mesh: FlattenableMesh, vertex: int) -> str:
 
 
 def _check_converged(mesh: FlattenableMesh, boundary: BoundaryCurve, tolerance: float) -> None:
+    angles = angle_sums(mesh.vertices, mesh.triangles)[: mesh.boundary_count]
+    short = boundary.min_angles - angles
+    corner = int(np.argmax(short))
+    if short[corner] > tolerance:
+        raise PatchFailure.of(
+            "not_converged",
+            "flattenable_mesh",
+            f"the corner at {boundary.place(corner)} has {np.degrees(angles[corner]):.2f} degrees when flat; "
+            f"min_angle asks for {np.degrees(boundary.min_angles[corner]):.2f}.",
+            "Lower min_angle there, or give the patch more room: a curve that is less straight at this corner.",
+            where=boundary.place(corner),
+            amount=float(short[corner]),
+            unit="rad",
+        )
     worst = int(np.argmax(mesh.flattenability))
     amount = mesh.max_flattenability
     if amount <= tolerance:

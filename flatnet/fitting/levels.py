@@ -21,6 +21,7 @@ from flatnet.fitting.unfold import unfold
 from flatnet.fitting.warp import warp
 from flatnet.network.patch import Patch
 from flatnet.parameters import FairParameters
+from flatnet.solvers.constrained_descent import CONVERGED
 
 #: A mesh whose edges have left those of M^p by more than this (root mean square) is meshed anew.
 REMESH_STRAIN = 0.08
@@ -84,7 +85,7 @@ def _found(
     """M from M^0, meshed anew as long as it is far from the mesh it was found on."""
     mesh = fit_fair(warped, patch.boundary, planar, parameters)
     for _ in range(parameters.remesh_rounds):
-        if mesh.max_flattenability > parameters.tolerance or rest_strain(planar, mesh) <= REMESH_STRAIN:
+        if mesh.status != CONVERGED or rest_strain(planar, mesh) <= REMESH_STRAIN:
             break
         again = _on_fresh_mesh(mesh, edge_length, planar_boundary, patch, parameters)
         if again is None:
@@ -101,14 +102,14 @@ def _on_fresh_mesh(
     parameters: FairParameters,
 ) -> tuple[FlattenableMesh, PlanarMesh] | None:
     """M on a new tessellation of its own flat outline; None where that can't be made flattenable."""
-    if mesh.max_flattenability > parameters.tolerance:
+    if mesh.status != CONVERGED:
         return None
     try:
-        flat = unfold(mesh, None)
+        flat = unfold(mesh)
         planar = tessellate(flat_boundary(flat, planar_boundary), edge_length, patch.boundary.slit_tips)
     except PatchFailure:  # the flat outline crosses itself
         return None
     again = refit_fair(carried_over(mesh, flat, planar), patch.boundary, planar, parameters)
-    if again.max_flattenability > parameters.tolerance:
+    if again.status != CONVERGED:
         return None
     return replace(again, steps=mesh.steps + again.steps), planar

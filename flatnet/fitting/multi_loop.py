@@ -18,7 +18,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags, identity, kron
 
 from flatnet.fitting.results import FlattenableMesh, PlanarMesh, WarpedMesh
 from flatnet.geometry.angle_sums import AngleSums
-from flatnet.geometry.triangles import dot, edge_lengths, edges_of
+from flatnet.geometry.triangles import boundary_triangles, dot, edge_lengths, edges_of
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import MultiLoopParameters
 from flatnet.solvers.kkt import KktStatus, KktStep, kkt_step
@@ -200,12 +200,9 @@ def _average_planes(warped: WarpedMesh, boundary: BoundaryCurve) -> tuple[Ints, 
     gets their mean point and mean normal.
     """
     n, m = warped.boundary_count, len(warped.vertices)
-    tails = warped.triangles.ravel()
-    heads = warped.triangles[:, [1, 2, 0]].ravel()
-    apex = warped.triangles[:, [2, 0, 1]].ravel()
-    on_boundary = (tails < n) & (heads == (tails + 1) % n) & (apex >= n)
-    edge, apex = tails[on_boundary], apex[on_boundary]
-
+    _, apex = boundary_triangles(warped.triangles, n)
+    edge = np.flatnonzero(apex >= n)
+    apex = apex[edge]
     count = np.bincount(apex, minlength=m)
     points, normals = np.zeros((m, 3)), np.zeros((m, 3))
     np.add.at(points, apex, 0.5 * (boundary.vertices[edge] + boundary.vertices[(edge + 1) % n]))

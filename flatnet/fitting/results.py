@@ -132,7 +132,8 @@ class FittedPatch:
     Attributes
     ----------
     flat : (m, 2) float, mm; the place of every vertex of `mesh` in the plane, anticlockwise seen against the
-        normals, the grain along +x.
+        normals, the grain along +x where it has one, else the longest extent.
+    has_grain : the patch has a grain direction, and it is somewhere along the mesh.
     seconds : stage -> time it took.
     """
 
@@ -142,6 +143,7 @@ class FittedPatch:
     warped: WarpedMesh
     mesh: FlattenableMesh
     flat: Floats
+    has_grain: bool
     warnings: tuple[Finding, ...]
     seconds: Mapping[str, float]
 

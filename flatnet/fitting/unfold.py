@@ -28,16 +28,12 @@ MAX_STEPS = 20
 SETTLED = 1e-14
 
 
-def unfold(mesh: SurfaceMesh, direction: Floats | None) -> Floats:
-    """The place of every vertex in the plane, (m, 2), mm.
+def unfold(mesh: SurfaceMesh) -> Floats:
+    """The place of every vertex in the plane, (m, 2), mm: the longest extent along x, the area's centre at 0.
 
     Starts from the least-squares conformal map, which is exact for a flattenable mesh up to the square of its
     condition, and polishes by Gauss-Newton on the relative edge lengths. A least-squares placement spreads what
     is left of the defects; laying one triangle after another would add it up.
-
-    Parameters
-    ----------
-    direction : (3,) or None; what its mean over the mesh points to is laid along +x, else the longest extent.
 
     Raises
     ------
@@ -54,7 +50,16 @@ def unfold(mesh: SurfaceMesh, direction: Floats | None) -> Floats:
             "The mesh is not flattenable enough to be unfolded; cut the patch in two.",
             amount=float((areas <= 0.0).sum()),
         )
-    return _laid(flat, mesh, direction)
+    return _along_extent(flat, mesh, areas)
+
+
+def along_grain(flat: Floats, mesh: SurfaceMesh, direction: Floats) -> Floats | None:
+    """The flat mesh turned so that the mean of `direction` (3,) over the mesh points along +x.
+
+    None where the direction is nowhere along the mesh, as `up` is on a level one.
+    """
+    along = _mean_direction(flat, mesh, direction)
+    return None if along is None else _turned(flat, along)
 
 
 def _conformal(mesh: SurfaceMesh) -> Floats:
@@ -112,16 +117,17 @@ def _polish(flat: Floats, mesh: SurfaceMesh) -> Floats:
     return flat
 
 
-def _laid(flat: Floats, mesh: SurfaceMesh, direction: Floats | None) -> Floats:
-    """Turned so that `direction` points along +x, with the centre of the area at the origin."""
-    areas = signed_areas(flat, mesh.triangles)
-    flat = flat - (flat[mesh.triangles].mean(axis=1) * areas[:, None]).sum(axis=0) / areas.sum()
-    along = _mean_direction(flat, mesh, direction) if direction is not None else None
-    if along is None:
-        spread = flat[mesh.triangles].mean(axis=1)
-        along = np.linalg.eigh(spread.T @ (spread * areas[:, None]))[1][:, 1]
-        outline = flat[: mesh.boundary_count] @ along
-        along = along * (1.0 if outline.max() >= -outline.min() else -1.0)
+def _along_extent(flat: Floats, mesh: SurfaceMesh, areas: Floats) -> Floats:
+    """Moved to the centre of its area, the principal axis along x, its longer end towards +x."""
+    centres = flat[mesh.triangles].mean(axis=1)
+    centre = (centres * areas[:, None]).sum(axis=0) / areas.sum()
+    flat, spread = flat - centre, centres - centre
+    along = np.linalg.eigh(spread.T @ (spread * areas[:, None]))[1][:, 1]
+    outline = flat[: mesh.boundary_count] @ along
+    return _turned(flat, along if outline.max() >= -outline.min() else -along)
+
+
+def _turned(flat: Floats, along: Floats) -> Floats:
     cosine, sine = along
     return flat @ np.array([[cosine, -sine], [sine, cosine]])
 
@@ -129,7 +135,7 @@ def _laid(flat: Floats, mesh: SurfaceMesh, direction: Floats | None) -> Floats:
 def _mean_direction(flat: Floats, mesh: SurfaceMesh, direction: Floats) -> Floats | None:
     """The direction in space, projected into every triangle, carried to the plane, averaged by area; unit (2,).
 
-    None where it is nowhere along the mesh (mean shorter than 1 % of what it could be).
+    None where it is nowhere along the mesh (mean shorter than 5 % of what it could be).
     """
     corners, flat_corners = mesh.vertices[mesh.triangles], flat[mesh.triangles]
     normal = area_vectors(mesh.vertices, mesh.triangles)
@@ -141,4 +147,4 @@ def _mean_direction(flat: Floats, mesh: SurfaceMesh, direction: Floats) -> Float
     carried = (tangent @ direction)[:, None] * flat_tangent + (across @ direction)[:, None] * flat_across
     mean = (carried * area[:, None]).sum(axis=0) / area.sum()
     length = float(np.linalg.norm(mean))
-    return mean / length if length > 0.01 * np.linalg.norm(direction) else None
+    return mean / length if length > 0.05 * np.linalg.norm(direction) else None

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
 from flatnet.geometry.derivatives import corner_angle_gradients
-from flatnet.geometry.triangles import angle_defects
+from flatnet.geometry.triangles import angle_sums
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -16,15 +18,23 @@ Ints = NDArray[np.int64]
 class AngleSums:
     """c(x) = theta - 2 pi at the interior vertices of one triangulation (Property 1, constraint of Eq. 5).
 
+    A boundary vertex with a least angle has a row too: c = min(theta - least, 0).
+
     Parameters
     ----------
     triangles : (t, 3) int.
-    constrained : (c,) int; the interior vertices, sorted.
+    constrained : (c,) int; the vertices with a row, sorted.
     vertex_count : m; the Jacobian has 3 m columns.
+    least : vertex -> least angle, rad, for those of `constrained` that are on the boundary.
     """
 
-    def __init__(self, triangles: Ints, constrained: Ints, vertex_count: int) -> None:
+    def __init__(
+        self, triangles: Ints, constrained: Ints, vertex_count: int, least: Mapping[int, float] | None = None
+    ) -> None:
         self.triangles = triangles
+        least = least or {}
+        self._one_sided = np.isin(constrained, list(least))
+        self._targets = np.array([least.get(int(vertex), 2.0 * np.pi) for vertex in constrained])
         self.constrained = constrained
         self._columns = 3 * vertex_count
         row_of = np.full(vertex_count, -1)
@@ -32,17 +42,25 @@ class AngleSums:
         rows = np.repeat(row_of[triangles], 3, axis=1).ravel()
         columns = np.tile(triangles, 3).ravel()
         self._used = rows >= 0
-        key, self._entry = np.unique(rows[self._used] * vertex_count + columns[self._used], return_inverse=True)
+        self._row = rows[self._used]
+        key, self._entry = np.unique(self._row * vertex_count + columns[self._used], return_inverse=True)
         self._star = key % vertex_count
         self._start = np.searchsorted(key // vertex_count, np.arange(len(constrained) + 1))
 
     def values(self, vertices: Floats) -> Floats:
         """c, (c,), rad."""
-        return angle_defects(vertices, self.triangles)[self.constrained]
+        c = angle_sums(vertices, self.triangles)[self.constrained] - self._targets
+        return np.where(self._one_sided, np.minimum(c, 0.0), c)
 
     def jacobian(self, vertices: Floats) -> csr_matrix:
-        """dc / dx, (c, 3 m); each row's entries are its star's vertices in turn, three columns each."""
+        """dc / dx, (c, 3 m); each row's entries are its star's vertices in turn, three columns each.
+
+        A row whose least angle is exceeded is 0.
+        """
         by_corner = corner_angle_gradients(vertices, self.triangles).reshape(-1, 3)[self._used]
+        if self._one_sided.any():
+            met = self._one_sided & (self.values(vertices) >= 0.0)
+            by_corner[met[self._row]] = 0.0
         data = np.stack(
             [np.bincount(self._entry, weights=by_corner[:, axis], minlength=len(self._star)) for axis in range(3)],
             axis=1,

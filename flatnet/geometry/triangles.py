@@ -114,6 +114,19 @@ def hinges_of(triangles: Ints) -> Ints:
     return np.stack([tails[paired], heads[paired], opposite[paired], opposite[twin_in[paired]]], axis=1)
 
 
+def boundary_triangles(triangles: Ints, boundary_count: int) -> tuple[Ints, Ints]:
+    """The triangle at every boundary edge (i, i + 1), and its third vertex; (n,) each.
+
+    The first `boundary_count` vertices are the boundary in its order.
+    """
+    tails = triangles.ravel()
+    heads = triangles[:, [1, 2, 0]].ravel()
+    apexes = triangles[:, [2, 0, 1]].ravel()
+    at = np.flatnonzero((tails < boundary_count) & (heads == (tails + 1) % boundary_count))
+    at = at[np.argsort(tails[at])]
+    return at // 3, apexes[at]
+
+
 def hinge_angles(vertices: Floats, hinges: Ints) -> Floats:
     """Signed dihedral angle of every hinge, (h,), rad in (-pi, pi]; 0 where flat, positive where convex.
 

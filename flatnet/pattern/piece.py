@@ -159,7 +159,7 @@ def make_piece(fitted: FittedPatch, material: Material) -> Piece:
         cut_line=cut_line,
         holes=holes,
         seams=tuple(seams),
-        grain=grain_line(free) if patch.grain is not None else None,
+        grain=grain_line(free) if fitted.has_grain else None,
         label=label,
         cut=patch.cut,
         mirrored=patch.mirrored,

@@ -11,6 +11,7 @@ from flatnet.geometry.intersections import self_intersections
 from flatnet.geometry.triangles import (
     area_vectors,
     bending,
+    boundary_triangles,
     corner_angles,
     dot,
     hinge_angles,
@@ -26,13 +27,8 @@ Ints = NDArray[np.int64]
 
 def boundary_triangle_normals(vertices: Floats, triangles: Ints, boundary_count: int) -> Floats:
     """Unit normal of the triangle at every boundary edge, (n, 3), in the order of B."""
-    following = np.arange(1, boundary_count + 1) % boundary_count
-    normals = np.empty((boundary_count, 3))
-    for corner in range(3):
-        tail, head = triangles[:, corner], triangles[:, (corner + 1) % 3]
-        at = np.flatnonzero((tail < boundary_count) & (following[np.minimum(tail, boundary_count - 1)] == head))
-        normals[tail[at]] = unit(area_vectors(vertices, triangles[at]))
-    return normals
+    at, _ = boundary_triangles(triangles, boundary_count)
+    return unit(area_vectors(vertices, triangles[at]))
 
 
 def normal_deviations(fitted: FittedPatch) -> Floats:

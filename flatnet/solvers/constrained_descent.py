@@ -20,6 +20,8 @@ from flatnet.solvers.band import BandFactor, BandMatrix
 
 Floats = NDArray[np.float64]
 
+#: Status of a result that reached its tolerance.
+CONVERGED = "converged"
 #: Longest steps, in units of the mean edge: ramp; normal; tangential at first and at most.
 RAMP_STEP, NORMAL_STEP, TANGENT_STEP, TANGENT_STEP_MOST = 0.3, 0.2, 0.2, 0.5
 #: Penalty of the constraint in the factorised matrix: start, floor and ceiling of phase B; start and ceiling of C.
@@ -91,7 +93,7 @@ def solve(
     """
     state = _State(x.copy())
     if not len(problem.constraint(x)):
-        return Result(x, 0.0, 0, "converged")
+        return Result(x, 0.0, 0, CONVERGED)
     _soft_ramp(problem, state, ramp)
     limit = state.steps + max_steps
     for number, height in enumerate((0.0, *KICKS)):
@@ -100,7 +102,7 @@ def solve(
         _tangential_and_normal_steps(problem, state, limit)
         status = _newton_tail(problem, state, TAIL_GOAL * tolerance, limit)
         if np.abs(problem.constraint(state.x)).max() <= tolerance:
-            status = "converged"
+            status = CONVERGED
         if status != "stalled":
             break
     residual = float(np.abs(problem.constraint(state.x)).max())
@@ -226,7 +228,7 @@ def _newton_tail(problem: Problem, state: _State, tolerance: float, limit: int) 
             continue
         state.x, c = x, c_new
         beta = min(10.0 * beta, TAIL_BETA_CEILING)
-    return "converged"
+    return CONVERGED
 
 
 def _line_search(

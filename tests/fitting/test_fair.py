@@ -31,7 +31,7 @@ def test_exact_and_fair(name):
     assert mesh.status == "converged"
     assert mesh.max_flattenability <= 1e-9
     assert np.array_equal(mesh.vertices[: mesh.boundary_count], boundary.vertices)
-    flat = unfold(mesh, None)
+    flat = unfold(mesh)
     assert np.abs(edge_strain(mesh.vertices, flat, mesh.triangles)).max() <= 1e-8
     assert (signed_areas(flat, mesh.triangles) > 0).all()
     assert len(self_intersections(mesh.vertices, mesh.triangles)) == 0
