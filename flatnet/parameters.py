@@ -33,7 +33,7 @@ class FairParameters:
     normal_weight: float = 1.0
     strain_weight: float = 1.0
     area_weight: float = 0.3
-    ramp_steps: int = 16
+    ramp_steps: int = 8
     ramp_start: float = 0.1
     ramp_end: float = 100.0
     tolerance: float = 1e-9

@@ -23,7 +23,7 @@ Floats = NDArray[np.float64]
 #: Status of a result that reached its tolerance.
 CONVERGED = "converged"
 #: Longest steps, in units of the mean edge: ramp; normal; tangential at first and at most.
-RAMP_STEP, NORMAL_STEP, TANGENT_STEP, TANGENT_STEP_MOST = 0.3, 0.2, 0.2, 0.5
+RAMP_STEP, NORMAL_STEP, TANGENT_STEP, TANGENT_STEP_MOST = 0.3, 0.4, 0.2, 0.5
 #: Penalty of the constraint in the factorised matrix: start, floor and ceiling of phase B; start and ceiling of C.
 BETA, BETA_FLOOR, BETA_CEILING = 1e5, 1e2, 1e5
 TAIL_BETA, TAIL_BETA_CEILING = 1e6, 1e9
