@@ -100,9 +100,7 @@ def solve(
         if number:
             state.x = state.x + height * problem.kick(state.x, number)
         _tangential_and_normal_steps(problem, state, limit)
-        status = _newton_tail(problem, state, TAIL_GOAL * tolerance, limit)
-        if np.abs(problem.constraint(state.x)).max() <= tolerance:
-            status = CONVERGED
+        status = _newton_tail(problem, state, tolerance, limit)
         if status != "stalled":
             break
     residual = float(np.abs(problem.constraint(state.x)).max())
@@ -176,7 +174,7 @@ def _tangential_and_normal_steps(problem: Problem, state: _State, limit: int) ->
             continue
         settled = part == 1.0 and abs(energy - energy_new) < SETTLED * energy
         state.x, energy = x, energy_new
-        full_steps += part == 1.0
+        full_steps += share == 1.0  # also where the step was cut: what creeps here, the tail does better
         reach = min(reach * (1.5 if cut == 0 else 0.5), TANGENT_STEP_MOST)
         beta = min(3.0 * beta, BETA_CEILING)
         if settled:
@@ -209,25 +207,31 @@ def _acceptable(c: Floats, c_new: Floats, part: float, energy: float, energy_new
 
 
 def _newton_tail(problem: Problem, state: _State, tolerance: float, limit: int) -> str:
-    """C: Newton steps on c alone in the metric H, with doubled steps where c is flat (double roots)."""
+    """C: Newton steps on c alone in the metric H, with doubled steps where c is flat (double roots).
+
+    Ends at TAIL_GOAL of the tolerance, or within the tolerance where a step no longer halves c.
+    """
     beta = TAIL_BETA
     c = problem.constraint(state.x)
-    while np.abs(c).max() > tolerance:
+    while np.abs(c).max() > TAIL_GOAL * tolerance:
         if state.steps >= limit:
-            return "step_limit"
+            return "step_limit" if np.abs(c).max() > tolerance else CONVERGED
         jacobian = problem.jacobian(state.x)
         _, metric = problem.gradient_and_metric(state.x)
         factor = _factor(metric, problem.gram(jacobian), beta)
         state.steps += 1
         step = _normal_step(factor, c, jacobian, beta, rounds=4)
         x, c_new = _line_search(problem, state.x, step, c)
-        if x is None:
-            if beta <= 1.0:
-                return "stalled"
+        halved = x is not None and np.linalg.norm(c_new) <= 0.5 * np.linalg.norm(c)
+        if x is not None:
+            state.x, c = x, c_new
+            beta = min(10.0 * beta, TAIL_BETA_CEILING)
+        elif beta > 1.0:
             beta /= 100.0
-            continue
-        state.x, c = x, c_new
-        beta = min(10.0 * beta, TAIL_BETA_CEILING)
+        elif np.abs(c).max() > tolerance:
+            return "stalled"
+        if not halved and np.abs(c).max() <= tolerance:
+            break
     return CONVERGED
 
 
