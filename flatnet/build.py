@@ -13,7 +13,7 @@ from threadpoolctl import threadpool_limits
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
-from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder
+from flatnet.export.output import REPORT, OutputFolder
 from flatnet.export.svg import write_layout, write_piece
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.fit import fit_patch
@@ -21,14 +21,13 @@ from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.forms import make_surface
 from flatnet.nesting.layout import Layout
 from flatnet.nesting.nest import nest
-from flatnet.nesting.stored import read_stored, write_stored
+from flatnet.nesting.stored import Stored, read_stored, write_stored
 from flatnet.network import CurveNetwork, make_network
 from flatnet.network.patch import Patch
 from flatnet.parameters import FittingParameters
 from flatnet.pattern.piece import Piece, make_piece
 from flatnet.project import Project, load_project
 from flatnet.report.report import make_report
-from flatnet.version import VERSION
 
 #: Called as the work goes on: what is being done, how many of the patches are done, of how many.
 Progress = Callable[[str, int, int], None]
@@ -62,38 +61,18 @@ def build(project_file: str | Path, out: str | Path, progress: Progress = lambda
     project = load_project(Path(project_file))
     surface = make_surface(project)
     network = make_network(project, surface)
-    output = OutputFolder(Path(out))
-    try:
+    with OutputFolder(Path(out)) as output:
         # One thread: the matrices are small, threads that wait for each other cost more than they bring, and the
         # sums do not depend on how many there are.
         with threadpool_limits(limits=1, user_api="blas"):
             results = _fit_all(project, network, progress)
         pieces, results = _make_pieces(project, results)
-        stored = read_stored(output.previous(STORED_LAYOUT))
-        layouts: list[Layout] = []
-        findings: list[Finding] = []
-        for material in project.materials.values():
-            of_material = [piece for piece in pieces if piece.material == material.name]
-            done, found = nest(
-                of_material,
-                material,
-                project.nesting,
-                stored,
-                lambda text: progress(text, len(results), len(results)),
-            )
-            layouts += done
-            findings += found
-        named = {f"{name}.svg": layout for name, layout in zip(_layout_names(layouts), layouts, strict=True)}
-        files = _write(output.staging, project, network, results, pieces, named)
-        files.append(REPORT)
-        report = make_report(
-            project.name, VERSION, REPORT_FORMAT, network, surface, results, named, findings, sorted(files)
-        )
+        layouts, findings = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
+        named = dict(zip(_layout_files(layouts), layouts, strict=True))
+        files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
+        report = make_report(project.name, network, surface, results, named, findings, sorted(files))
         (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
         output.commit(files)
-    except BaseException:
-        output.discard()
-        raise
     return BuildResult(output.folder, report)
 
 
@@ -123,6 +102,23 @@ def _fit_all(
             results.append(run_patch(patches[name], spec.fitting))
         progress(name, len(results), len(project.patches))
     return results
+
+
+def _nest_all(
+    project: Project, pieces: Sequence[Piece], stored: Stored, progress: Progress
+) -> tuple[list[Layout], list[Finding]]:
+    """The sheets of every material, in the order of the project."""
+    layouts: list[Layout] = []
+    findings: list[Finding] = []
+    count = len(project.patches)
+    for material in project.materials.values():
+        of_material = [piece for piece in pieces if piece.material == material.name]
+        done, found = nest(
+            of_material, material, project.nesting, stored, lambda text: progress(text, count, count)
+        )
+        layouts += done
+        findings += found
+    return layouts, findings
 
 
 def run_patch(
@@ -169,12 +165,15 @@ def _internal_error(patch: str, stage: str, error: Exception) -> Finding:
     )
 
 
-def _layout_names(layouts: Sequence[Layout]) -> list[str]:
-    safe = safe_file_names(dict.fromkeys(layout.material.name for layout in layouts))
-    return [
-        f"layout-{safe[layout.material.name]}" + (f"-{layout.sheet}" if layout.sheet > 1 else "")
-        for layout in layouts
+def _layout_files(layouts: Sequence[Layout]) -> list[str]:
+    """A file name for every sheet, distinct whatever the materials are called."""
+    titles = [
+        f"layout-{layout.material.name}" + (f"-{layout.sheet}" if layout.sheet > 1 else "") for layout in layouts
     ]
+    # Materials may be called denim and denim-2: then their sheets' titles can be equal.
+    unique = [f"{title}{' ' * titles[:i].count(title)}" for i, title in enumerate(titles)]
+    safe = safe_file_names(unique)
+    return [f"{safe[title]}.svg" for title in unique]
 
 
 def _write(

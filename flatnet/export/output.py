@@ -5,25 +5,34 @@ from __future__ import annotations
 import json
 import os
 import shutil
-from collections.abc import Iterable
+import signal
+import tempfile
+import threading
+import time
+from collections.abc import Iterable, Iterator
+from contextlib import contextmanager
 from pathlib import Path
+from types import TracebackType
 
 #: What a report says of itself; a folder with such a report is one of ours.
 REPORT_FORMAT = "flatnet-report/1"
 REPORT = "report.json"
-_STAGING = ".flatnet-unfinished"
+_STAGING = ".flatnet-unfinished-"
 _MANIFEST = "manifest.json"
+#: A staging folder older than this, s, is what a killed build left.
+_ABANDONED = 3600.0
 
 
 class OutputError(Exception):
-    """The output folder can't be used."""
+    """The output folder can't be used or written."""
 
 
 class OutputFolder:
     """Files are written to `staging`, a folder inside OUT, and moved into place by `commit`, report.json last.
 
-    What an earlier build left (the files that its report lists) is removed by `commit`; other files are left
-    alone. A manifest in the staging folder makes an interrupted commit recoverable.
+    Used in a `with` statement: what was not committed at its end is removed and the earlier build is as it was.
+    `commit` removes what an earlier build left (the files that its report lists); other files are left alone. Should
+    the process be killed in the middle of it, a manifest in the staging folder tells the next build what is ours.
 
     Raises
     ------
@@ -33,13 +42,28 @@ class OutputFolder:
 
     def __init__(self, folder: Path) -> None:
         self.folder = folder
-        self.staging = folder / _STAGING
-        try:
+        self._committing = False
+        with _explained(folder):
             self._previous = self._files_of_an_earlier_build()
+            folder.mkdir(parents=True, exist_ok=True)
+            for left in folder.glob(f"{_STAGING}*"):
+                if time.time() - left.stat().st_mtime > _ABANDONED:
+                    shutil.rmtree(left, ignore_errors=True)
+            # A folder of its own for every build, so that two at once do not write into each other's files.
+            self.staging = Path(tempfile.mkdtemp(prefix=_STAGING, dir=folder))
+
+    def __enter__(self) -> OutputFolder:
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None, trace: TracebackType | None
+    ) -> None:
+        if not self._committing:
             shutil.rmtree(self.staging, ignore_errors=True)
-            self.staging.mkdir(parents=True)
-        except OSError as error:
-            raise OutputError(f"{folder}: can't be used as the output folder: {error.strerror}") from None
+            if not any(self.folder.iterdir()):
+                self.folder.rmdir()
+        if isinstance(error, OSError):
+            raise OutputError(_reason(self.folder, error)) from None
 
     def _files_of_an_earlier_build(self) -> set[str]:
         if not self.folder.exists():
@@ -47,12 +71,14 @@ class OutputFolder:
         if not self.folder.is_dir():
             raise OutputError(f"{self.folder}: is a file; name a folder for the output")
         known: set[str] = set()
-        ours = not any(self.folder.iterdir()) or self.staging.exists()
+        manifests = [left / _MANIFEST for left in self.folder.glob(f"{_STAGING}*")]
+        ours = not any(self.folder.iterdir()) or bool(manifests)
         report = _json(self.folder / REPORT)
         if isinstance(report, dict) and report.get("format") == REPORT_FORMAT:
             ours = True
             known.update(_inside(self.folder, report.get("files")))
-        known.update(_inside(self.folder, _json(self.staging / _MANIFEST)))
+        for manifest in manifests:
+            known.update(_inside(self.folder, _json(manifest)))
         if not ours:
             raise OutputError(
                 f"{self.folder}: holds files, but no {REPORT} of an earlier build; name a new or empty folder"
@@ -66,25 +92,48 @@ class OutputFolder:
     def commit(self, files: Iterable[str]) -> None:
         """Move the written files (paths relative to OUT) into place and remove those of the earlier build."""
         new = sorted(set(files))
-        (self.staging / _MANIFEST).write_text(json.dumps(sorted(self._previous.union(new))), encoding="utf-8")
-        for name in [REPORT, *sorted(self._previous.difference(new))]:
-            (self.folder / name).unlink(missing_ok=True)
-        for name in sorted(new, key=lambda name: name == REPORT):
-            target = self.folder / name
-            target.parent.mkdir(parents=True, exist_ok=True)
-            os.replace(self.staging / name, target)
-        self._remove_empty_folders()
-        self.discard()
-
-    def discard(self) -> None:
-        """Remove what was written and not committed."""
-        shutil.rmtree(self.staging, ignore_errors=True)
+        with _explained(self.folder), _not_interrupted():
+            (self.staging / _MANIFEST).write_text(json.dumps(sorted(self._previous.union(new))), encoding="utf-8")
+            self._committing = True
+            for name in [REPORT, *sorted(self._previous.difference(new))]:
+                (self.folder / name).unlink(missing_ok=True)
+            for name in sorted(new, key=lambda name: name == REPORT):
+                target = self.folder / name
+                target.parent.mkdir(parents=True, exist_ok=True)
+                os.replace(self.staging / name, target)
+            self._remove_empty_folders()
+            shutil.rmtree(self.staging, ignore_errors=True)
 
     def _remove_empty_folders(self) -> None:
         for name in {str(Path(name).parent) for name in self._previous} - {"."}:
             folder = self.folder / name
             if folder.is_dir() and not any(folder.iterdir()):
                 folder.rmdir()
+
+
+@contextmanager
+def _explained(folder: Path) -> Iterator[None]:
+    try:
+        yield
+    except OSError as error:
+        raise OutputError(_reason(folder, error)) from None
+
+
+def _reason(folder: Path, error: OSError) -> str:
+    return f"{folder}: can't be written: {error.strerror or error}; name another folder for the output, or make room"
+
+
+@contextmanager
+def _not_interrupted() -> Iterator[None]:
+    """Ctrl-C waits: moving files takes milliseconds and should not stop half way."""
+    if threading.current_thread() is not threading.main_thread():
+        yield
+        return
+    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    try:
+        yield
+    finally:
+        signal.signal(signal.SIGINT, before)
 
 
 def _json(path: Path) -> object:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+from flatnet.export.output import REPORT_FORMAT
 from flatnet.failure import Finding
 from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.forms.surface import ReferenceSurface
@@ -11,12 +12,11 @@ from flatnet.nesting.layout import Layout
 from flatnet.network.network import CurveNetwork
 from flatnet.report.metrics import metrics
 from flatnet.report.seams import seam_records
+from flatnet.version import VERSION
 
 
 def make_report(
     project: str,
-    version: str,
-    report_format: str,
     network: CurveNetwork,
     surface: ReferenceSurface | None,
     results: Sequence[FittedPatch | FailedPatch],
@@ -40,8 +40,8 @@ def make_report(
         for result in results
     ]
     return {
-        "format": report_format,
-        "flatnet": version,
+        "format": REPORT_FORMAT,
+        "flatnet": VERSION,
         "project": project,
         "status": status([record["status"] == "ok" for record in patches], bool(layouts)),
         "patches": patches,

@@ -9,14 +9,14 @@ from flatnet.export.output import REPORT, REPORT_FORMAT, OutputError, OutputFold
 
 def write(folder, **files):
     """A build of some files, and the report that lists them."""
-    output = OutputFolder(folder)
-    names = [name.replace("__", "/").replace("_", ".") for name in files]
-    for name, text in zip(names, files.values(), strict=True):
-        (output.staging / name).parent.mkdir(exist_ok=True)
-        (output.staging / name).write_text(text)
-    names.append(REPORT)
-    (output.staging / REPORT).write_text(json.dumps({"format": REPORT_FORMAT, "files": names}))
-    output.commit(names)
+    with OutputFolder(folder) as output:
+        names = [name.replace("__", "/").replace("_", ".") for name in files]
+        for name, text in zip(names, files.values(), strict=True):
+            (output.staging / name).parent.mkdir(exist_ok=True)
+            (output.staging / name).write_text(text)
+        names.append(REPORT)
+        (output.staging / REPORT).write_text(json.dumps({"format": REPORT_FORMAT, "files": names}))
+        output.commit(names)
 
 
 def files_in(folder):
@@ -36,9 +36,9 @@ def test_nothing_of_an_earlier_build_survives_and_nothing_else_is_touched(tmp_pa
 def test_what_was_not_committed_leaves_the_earlier_build_as_it_was(tmp_path):
     write(tmp_path / "out", network_json="1")
     before = {name: (tmp_path / "out" / name).read_text() for name in files_in(tmp_path / "out")}
-    output = OutputFolder(tmp_path / "out")
-    (output.staging / "network.json").write_text("half")
-    output.discard()
+    with pytest.raises(KeyboardInterrupt), OutputFolder(tmp_path / "out") as output:
+        (output.staging / "network.json").write_text("half")
+        raise KeyboardInterrupt
     assert {name: (tmp_path / "out" / name).read_text() for name in files_in(tmp_path / "out")} == before
 
 
@@ -60,3 +60,37 @@ def test_a_report_that_lists_files_elsewhere_deletes_none_of_them(tmp_path):
     write(out, patches__p_obj="2")
     assert (tmp_path / "precious").read_text() == "keep"
     assert files_in(out) == ["patches/p.obj", REPORT]
+
+
+def test_a_first_build_that_was_not_committed_leaves_no_folder(tmp_path):
+    with pytest.raises(KeyboardInterrupt), OutputFolder(tmp_path / "out"):
+        raise KeyboardInterrupt
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_build_killed_while_files_are_moved_is_cleared_up_by_the_next(tmp_path):
+    """The report is gone, one old and one new file lie there, and the manifest tells that they are ours."""
+    out = tmp_path / "out"
+    write(out, pieces__old_svg="1", network_json="1")
+    staging = out / ".flatnet-unfinished-x"
+    staging.mkdir()
+    (staging / "manifest.json").write_text(json.dumps(["pieces/old.svg", "network.json", "pieces/new.svg", REPORT]))
+    (out / REPORT).unlink()
+    (out / "pieces" / "new.svg").write_text("2")
+    write(out, network_json="3")
+    assert [name for name in files_in(out) if not name.startswith(".flatnet")] == ["network.json", REPORT]
+
+
+def test_two_builds_at_once_do_not_meet(tmp_path):
+    with OutputFolder(tmp_path / "out") as first, OutputFolder(tmp_path / "out") as second:
+        for output, text in ((first, "1"), (second, "2")):
+            (output.staging / REPORT).write_text(json.dumps({"format": REPORT_FORMAT, "files": [REPORT], "by": text}))
+        second.commit([REPORT])
+        first.commit([REPORT])
+    assert json.loads((tmp_path / "out" / REPORT).read_text())["by"] == "1"
+    assert files_in(tmp_path / "out") == [REPORT]
+
+
+def test_what_the_system_says_is_passed_on(tmp_path):
+    with pytest.raises(OutputError, match="can't be written: No space left"), OutputFolder(tmp_path / "out"):
+        raise OSError(28, "No space left on device")

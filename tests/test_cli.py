@@ -1,0 +1,145 @@
+"""The command as a user runs it: exit statuses, messages without tracebacks, Ctrl-C."""
+
+import os
+import signal
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import pytest
+from written import read_report
+
+from flatnet import ProjectError, build, check
+from flatnet.cli import main
+
+ROOT = Path(__file__).parents[1]
+SQUARE = """\
+flatnet: 1
+name: square
+edge_length: 20
+curves:
+  rim: {closed: true, points: [[0, 0, 0], [100, 0, 0], [100, 100, 0], [0, 100, 0]], normals: [0, 0, 1]}
+patches:
+  top: {around: [rim], grain: [1, 0, 0]}
+materials:
+  cloth: {width: 500}
+"""
+
+
+@pytest.fixture
+def square(tmp_path):
+    file = tmp_path / "square project.yaml"
+    file.write_text(SQUARE)
+    return file
+
+
+def files_in(folder):
+    return {path.relative_to(folder).as_posix(): path.read_bytes() for path in folder.rglob("*") if path.is_file()}
+
+
+def test_a_good_project(square, tmp_path, capsys):
+    assert main(["build", str(square), "-o", str(tmp_path / "out")]) == 0
+    assert "ok: 1 of 1 patches made" in capsys.readouterr().out
+
+
+def test_the_api_does_the_same(square, tmp_path):
+    result = build(square, tmp_path / "out")
+    assert result.exit_status == 0
+    assert result.report == read_report(tmp_path / "out")
+    _, network = check(square)
+    assert [patch.name for patch in network.patches] == ["top"]
+    square.write_text(SQUARE.replace("around", "arround"))
+    with pytest.raises(ProjectError, match="did you mean 'around'"):
+        build(square, tmp_path / "other")
+    assert not (tmp_path / "other").exists()
+
+
+def test_check_fits_and_writes_nothing(square, tmp_path, capsys):
+    before = files_in(tmp_path)
+    assert main(["check", str(square)]) == 0
+    assert "top: 20 boundary edges along rim" in capsys.readouterr().out
+    assert files_in(tmp_path) == before
+
+
+@pytest.mark.parametrize(
+    "old, new, place, words",
+    [
+        ("edge_length: 20", "edge_lenght: 20", ":3:1:", "did you mean 'edge_length'?"),
+        ("around: [rim]", "around: [rin]", ":7:", "did you mean 'rim'?"),
+        ("width: 500", "width: wide", ":9:", "expected"),
+        ("name: square", "name: [", ":", ""),
+        ("curves:", "\tcurves:", ":4:", ""),
+    ],
+)
+def test_a_bad_project_is_explained_and_nothing_is_written(square, tmp_path, capsys, old, new, place, words):
+    square.write_text(SQUARE.replace(old, new))
+    assert main(["build", str(square), "-o", str(tmp_path / "out")]) == 2
+    message = capsys.readouterr().err
+    assert f"{square}{place}" in message and words in message and "Traceback" not in message
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_project_that_is_not_there(tmp_path, capsys):
+    assert main(["build", str(tmp_path / "none.yaml"), "-o", str(tmp_path / "out")]) == 2
+    assert "none.yaml" in capsys.readouterr().err
+
+
+def test_an_output_folder_with_foreign_files_is_refused(square, tmp_path, capsys):
+    (tmp_path / "home").mkdir()
+    (tmp_path / "home" / "letter.txt").write_text("dear")
+    assert main(["build", str(square), "-o", str(tmp_path / "home")]) == 2
+    assert "letter" not in capsys.readouterr().out
+    assert files_in(tmp_path / "home") == {"letter.txt": b"dear"}
+
+
+def test_a_second_build_leaves_nothing_of_the_first(square, tmp_path):
+    out = tmp_path / "out"
+    assert main(["build", str(square), "-o", str(out)]) == 0
+    square.write_text(SQUARE.replace("top:", "lid:"))
+    assert main(["build", str(square), "-o", str(out)]) == 0
+    assert sorted(files_in(out)) == sorted(read_report(out)["files"])
+    assert "pieces/lid.svg" in files_in(out) and "pieces/top.svg" not in files_in(out)
+
+
+def test_materials_whose_sheets_would_share_a_file_name_keep_all_their_pieces(tmp_path):
+    """Two sheets of `denim`, the second drawn in layout-denim-2.svg, and a material called `denim-2`."""
+    other = "{closed: true, points: [[300, 0, 0], [400, 0, 0], [400, 90, 0]], normals: [0, 0, 1]}"
+    text = SQUARE.replace("[rim], grain", "[rim], material: denim, cut: 2, grain")
+    text = text.replace("cloth: {width: 500}", "denim: {width: 120, length: 150}\n  denim-2: {width: 500}")
+    text = text.replace("patches:\n", f"  other: {other}\npatches:\n")
+    side = "  side: {around: [other], material: denim-2, grain: [1, 0, 0]}\nrest: openings\n"
+    text = text.replace("materials:\n", f"{side}materials:\n")
+    (tmp_path / "project.yaml").write_text(text)
+    assert main(["build", str(tmp_path / "project.yaml"), "-o", str(tmp_path / "out")]) == 0
+    layouts = read_report(tmp_path / "out")["layouts"]
+    assert len({layout["file"] for layout in layouts}) == len(layouts) == 3
+    drawn = [(tmp_path / "out" / layout["file"]).read_text().count('class="piece"') for layout in layouts]
+    assert drawn == [1, 1, 1]
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals of a process group")
+@pytest.mark.parametrize("moment", ["yoke_back_inner", "nesting"])
+def test_ctrl_c_leaves_the_earlier_build_as_it_was(square, tmp_path, moment):
+    """While fitting, and while the nesting engine works in its own process, which ends too."""
+    out = tmp_path / "out"
+    assert main(["build", str(square), "-o", str(out)]) == 0
+    before = files_in(out)
+    command = [sys.executable, "-m", "flatnet", "build", str(ROOT / "projects/pants/project.yaml"), "-o", str(out)]
+    process = subprocess.Popen(
+        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
+    )
+    assert process.stderr is not None
+    for line in process.stderr:
+        if moment in line:
+            break
+    time.sleep(0.5)
+    os.killpg(process.pid, signal.SIGINT)
+    stopped = time.monotonic()
+    _, message = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert time.monotonic() - stopped < 5
+    assert "interrupted" in message and "Traceback" not in message
+    assert files_in(out) == before
+    with pytest.raises(ProcessLookupError):
+        os.killpg(process.pid, 0)  # nobody of its group is left
