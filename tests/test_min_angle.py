@@ -38,7 +38,8 @@ def flat_corner(out, corner):
 def test_the_flat_corner_has_the_angle_that_is_asked_for(tmp_path):
     free = built_corner(tmp_path / "free", {})
     least = round(free + 6.0, 1)
-    assert built_corner(tmp_path / "held", {"min_angle": {"b": least}}) == pytest.approx(least, abs=1e-6)
+    held = built_corner(tmp_path / "held", {"min_angle": {"b": least}})
+    assert least - 1e-6 <= held <= least + 1.0  # as far as is asked, and hardly farther
     assert built_corner(tmp_path / "met", {"min_angle": {"b": round(free - 6.0, 1)}}) == pytest.approx(free, abs=1.0)
 
 
