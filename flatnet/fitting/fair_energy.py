@@ -40,6 +40,8 @@ HINGE_CLIP = 3.0
 WALL, STIFFNESS = 1.3, 10.0
 #: Largest weight 3 l^2 / (A1 + A2) of a hinge: slivers of M^p must not rule.
 HINGE_WEIGHT_CAP = 30.0
+#: normal_weight 1 holds one normal as stiffly as a hinge where sqrt(area) is so many boundary edges long.
+RIM_EDGES = 30.0
 #: Weights of the metric alone: edges, areas, and a multiple of the identity that keeps it definite.
 STRAIN_METRIC, AREA_METRIC, TIKHONOV = 3.0, 1.0, 1e-2
 
@@ -197,7 +199,10 @@ def fair_terms(
     rim_area = np.abs(signed_areas(planar, rim[:, :3]))
     # The ghost stands for a triangle as large as the one inside.
     rim_weights = np.minimum(3.0 * rim_length**2 / (2.0 * rim_area), HINGE_WEIGHT_CAP)
-    held = parameters.normal_weight * rim_weights
+    # Deviations from the normals do not shrink with the edges as hinges do, and there are more of them on a finer
+    # boundary: weighted by length, normal_weight means the same at every mesh size.
+    share = rim_length / np.sqrt(np.abs(signed_areas(planar, triangles)).sum())
+    held = parameters.normal_weight * RIM_EDGES * share * rim_weights
     edges = edges_of(triangles)
     edges = edges[(edges >= boundary_count).any(axis=1)]
     return [
