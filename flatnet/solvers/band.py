@@ -109,10 +109,10 @@ class BandMatrix:
         return BandMatrix(self.layout, self.values + factor * other.values)
 
     def factor(self) -> BandFactor | None:
-        """Cholesky factor; None where the matrix is not positive definite to round-off."""
+        """Cholesky factor; None where the matrix is not finite or not positive definite to round-off."""
         shape = (self.layout.bandwidth + 1, self.layout.size)
         factor, info = dpbtrf(self.values.reshape(shape, order="F"), lower=1)
-        return BandFactor(self.layout, factor) if info == 0 else None
+        return BandFactor(self.layout, factor) if info == 0 and np.isfinite(factor[0]).all() else None
 
 
 class BandFactor:

@@ -51,6 +51,10 @@ class Problem(Protocol):
         """A smooth step whose longest vertex move is 1; another one for every number."""
 
 
+class SingularMetricError(ArithmeticError):
+    """The metric is not positive definite, or not finite."""
+
+
 @dataclass(frozen=True, eq=False)
 class Result:
     """Where the solver came to.
@@ -60,7 +64,7 @@ class Result:
     x : the unknowns.
     residual : max |c|.
     steps : factorisations.
-    status : `converged`, `step_limit`, or `stalled` (no step lowers |c|).
+    status : `converged`, `step_limit`, `stalled` (no step lowers |c|) or `singular` (a triangle has collapsed).
     """
 
     x: Floats
@@ -94,15 +98,18 @@ def solve(
     state = _State(x.copy())
     if not len(problem.constraint(x)):
         return Result(x, 0.0, 0, CONVERGED)
-    _soft_ramp(problem, state, ramp)
-    limit = state.steps + max_steps
-    for number, height in enumerate((0.0, *KICKS)):
-        if number:
-            state.x = state.x + height * problem.kick(state.x, number)
-        _tangential_and_normal_steps(problem, state, limit)
-        status = _newton_tail(problem, state, tolerance, limit)
-        if status != "stalled":
-            break
+    try:
+        _soft_ramp(problem, state, ramp)
+        limit = state.steps + max_steps
+        for number, height in enumerate((0.0, *KICKS)):
+            if number:
+                state.x = state.x + height * problem.kick(state.x, number)
+            _tangential_and_normal_steps(problem, state, limit)
+            status = _newton_tail(problem, state, tolerance, limit)
+            if status != "stalled":
+                break
+    except SingularMetricError:
+        status = "singular"
     residual = float(np.abs(problem.constraint(state.x)).max())
     return Result(state.x, residual, state.steps, status)
 
@@ -125,7 +132,7 @@ def _factor(metric: BandMatrix, gram: BandMatrix, beta: float) -> BandFactor:
         if factor is not None:
             return factor
         beta /= 10.0
-    raise FloatingPointError("the metric is not positive definite")
+    raise SingularMetricError
 
 
 def _normal_step(factor: BandFactor, c: Floats, jacobian: csr_matrix, beta: float, rounds: int) -> Floats:
@@ -213,7 +220,7 @@ def _newton_tail(problem: Problem, state: _State, tolerance: float, limit: int) 
     """
     beta = TAIL_BETA
     c = problem.constraint(state.x)
-    while np.abs(c).max() > TAIL_GOAL * tolerance:
+    while not np.abs(c).max() <= TAIL_GOAL * tolerance:  # nan goes on to the factor, which says so
         if state.steps >= limit:
             return "step_limit" if np.abs(c).max() > tolerance else CONVERGED
         jacobian = problem.jacobian(state.x)
