@@ -75,10 +75,13 @@ def nest(
 def _nested(
     copies: Sequence[Copy], material: Material, parameters: NestingParameters, progress: Progress
 ) -> tuple[Layout, ...]:
+    """What the engine finds in its time, or plain rows where it found nothing shorter (a loaded machine)."""
+    in_rows = _on_sheets(copies, material, lambda rest: lay_in_rows(rest, material))
     if len(copies) == 1:  # nothing to optimise but its rotation
-        return _on_sheets(copies, material, lambda rest: lay_in_rows(rest, material))
+        return in_rows
     progress(f"{material.name}: nesting {len(copies)} copies for {parameters.seconds} s")
-    return _on_sheets(copies, material, lambda rest: nest_on_roll(rest, material, parameters))
+    nested = _on_sheets(copies, material, lambda rest: nest_on_roll(rest, material, parameters))
+    return min(nested, in_rows, key=lambda sheets: (len(sheets), sheets[-1].used_length))
 
 
 def _on_sheets(copies: Sequence[Copy], material: Material, engine: Engine) -> tuple[Layout, ...]:
