@@ -6,7 +6,7 @@ READY := $(VENV)/.ready
 .PHONY: demo test lint types bench clean
 
 demo: $(READY)
-	$(BIN)/flatnet build projects/pants/project.yaml -o out/pants
+	$(BIN)/flatnet build projects/pants/project.yaml -o out
 
 test: $(READY)
 	$(BIN)/python -m pytest

@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import traceback
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -40,7 +40,7 @@ class BuildResult:
     """What a build came to; `report` is the content of report.json in `folder`."""
 
     folder: Path
-    report: dict[str, object]
+    report: dict[str, object] = field(repr=False)  # tens of kilobytes
 
     @property
     def exit_status(self) -> int:
@@ -56,7 +56,7 @@ def build(project_file: str | Path, out: str | Path, progress: Progress = lambda
     ProjectError
         The project is invalid; nothing is written.
     OutputError
-        The folder can't be used.
+        The folder can't be used or written; the earlier build in it is as it was.
     """
     project = load_project(Path(project_file))
     surface = make_surface(project)

@@ -3,9 +3,13 @@
 from __future__ import annotations
 
 import argparse
+import os
+import signal
 import sys
+import threading
 from collections.abc import Sequence
 from pathlib import Path
+from typing import TextIO
 
 from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
@@ -15,7 +19,7 @@ from flatnet.export.output import OutputError
 from flatnet.project import ProjectError
 from flatnet.report.build_files import BuildFilesError
 from flatnet.report.pictures import PictureError, draw
-from flatnet.report.summary import network_lines, summary_lines
+from flatnet.report.summary import counted, network_lines, summary_lines
 from flatnet.version import VERSION
 
 EXIT_INVALID, EXIT_INTERRUPTED = 2, 130
@@ -24,27 +28,50 @@ EXIT_INVALID, EXIT_INTERRUPTED = 2, 130
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run the command; the exit status: 0 all made, 1 some failed, 2 invalid, 130 interrupted."""
     options = _parser().parse_args(arguments)
+    _end_as_by_ctrl_c()
     try:
         if options.command == "check":
             project, network = check(options.project)
-            print("\n".join(network_lines(project, network)))
+            _say("\n".join(network_lines(project, network)), sys.stdout)
             return 1 if network.failed else 0
         if options.command == "draw":
-            print(draw(options.folder, options.picture))
+            _say(str(draw(options.folder, options.picture)), sys.stdout)
             return 0
         result = _build(options.project, options.out)
-        print("\n".join(summary_lines(result.report, result.folder)))
+        _say("\n".join(summary_lines(result.report, result.folder)), sys.stdout)
         return result.exit_status
     except ProjectError as error:
-        print(error, file=sys.stderr)
-        print(f"{len(error.problems)} problem(s); nothing was written.", file=sys.stderr)
+        written = "; nothing was written" if options.command == "build" else ""
+        _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
     except (OutputError, BuildFilesError, PictureError) as error:
-        print(error, file=sys.stderr)
+        _say(str(error), sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
-        print("interrupted; nothing was written.", file=sys.stderr)
+        _say("interrupted; nothing was written.", sys.stderr)
         return EXIT_INTERRUPTED
+
+
+def _end_as_by_ctrl_c() -> None:
+    """What else ends a process (SIGTERM, a terminal that closes) cleans up as Ctrl-C does."""
+    if threading.current_thread() is not threading.main_thread():
+        return
+    for name in ("SIGTERM", "SIGHUP"):
+        number = getattr(signal, name, None)  # Windows has no SIGHUP
+        if number is not None and signal.getsignal(number) is signal.SIG_DFL:  # nohup stays nohup
+            signal.signal(number, signal.default_int_handler)
+
+
+def _say(text: str, stream: TextIO | None) -> None:
+    """Print for whoever listens: a pipe that closed (`| head`) stops no build and changes no exit status."""
+    if stream is None:  # closed from the start
+        return
+    encoding = stream.encoding or "utf-8"
+    try:
+        print(text.encode(encoding, "backslashreplace").decode(encoding), file=stream, flush=True)
+    except OSError:
+        # What is still buffered would fail again when Python ends.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), stream.fileno())
 
 
 def _parser() -> argparse.ArgumentParser:
@@ -61,7 +88,7 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("project", type=Path, metavar="PROJECT.yaml")
         if name == "build":
             command.add_argument("-o", "--out", type=Path, default=Path("out"), help="output folder (default: out)")
-    text = "draw the network, patches and layouts of a build as one PNG (needs flatnet[pictures])"
+    text = "draw the network, patches and layouts of a build as one PNG (needs matplotlib)"
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
     command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="else OUT.png")
@@ -70,9 +97,9 @@ def _parser() -> argparse.ArgumentParser:
 
 def _build(project: Path, out: Path) -> BuildResult:
     """Build with a progress bar on a terminal, with plain lines elsewhere."""
-    if not sys.stderr.isatty():
-        return build(project, out, lambda text, done, total: print(f"[{done}/{total}] {text}", file=sys.stderr))
-    columns = (TextColumn("{task.description}"), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
+    if sys.stderr is None or not sys.stderr.isatty():
+        return build(project, out, lambda text, done, total: _say(f"[{done}/{total}] {text}", sys.stderr))
+    columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("reading", total=None)
         return build(

@@ -8,6 +8,7 @@ import time
 from pathlib import Path
 
 import pytest
+import trimesh
 from written import read_report
 
 from flatnet import ProjectError, build, check
@@ -109,7 +110,7 @@ def test_materials_whose_sheets_would_share_a_file_name_keep_all_their_pieces(tm
     text = text.replace("cloth: {width: 500}", "denim: {width: 120, length: 150}\n  denim-2: {width: 500}")
     text = text.replace("patches:\n", f"  other: {other}\npatches:\n")
     side = "  side: {around: [other], material: denim-2, grain: [1, 0, 0]}\nrest: openings\n"
-    text = text.replace("materials:\n", f"{side}materials:\n")
+    text = text.replace("materials:\n", f"{side}materials:\n") + "nesting: {seconds: 1}\n"
     (tmp_path / "project.yaml").write_text(text)
     assert main(["build", str(tmp_path / "project.yaml"), "-o", str(tmp_path / "out")]) == 0
     layouts = read_report(tmp_path / "out")["layouts"]
@@ -118,28 +119,129 @@ def test_materials_whose_sheets_would_share_a_file_name_keep_all_their_pieces(tm
     assert drawn == [1, 1, 1]
 
 
+def command(*arguments):
+    return [sys.executable, "-m", "flatnet", *map(str, arguments)]
+
+
 @pytest.mark.skipif(os.name == "nt", reason="signals of a process group")
-@pytest.mark.parametrize("moment", ["yoke_back_inner", "nesting"])
-def test_ctrl_c_leaves_the_earlier_build_as_it_was(square, tmp_path, moment):
-    """While fitting, and while the nesting engine works in its own process, which ends too."""
+@pytest.mark.parametrize(
+    "moment, ending, to_all",
+    [
+        ("yoke_back_inner", signal.SIGINT, True),
+        ("nesting", signal.SIGINT, True),
+        ("nesting", signal.SIGINT, False),
+        ("yoke_back_inner", signal.SIGTERM, False),
+        ("nesting", signal.SIGTERM, False),
+    ],
+)
+def test_an_interrupted_build_leaves_the_earlier_one_as_it_was(square, tmp_path, moment, ending, to_all):
+    """While fitting, and while the nesting engine works in its own process, which ends too.
+
+    Ctrl-C on a terminal reaches the whole group of processes; `kill` reaches one.
+    """
     out = tmp_path / "out"
     assert main(["build", str(square), "-o", str(out)]) == 0
     before = files_in(out)
-    command = [sys.executable, "-m", "flatnet", "build", str(ROOT / "projects/pants/project.yaml"), "-o", str(out)]
     process = subprocess.Popen(
-        command, stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True
+        command("build", ROOT / "projects/pants/project.yaml", "-o", out),
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True,
     )
     assert process.stderr is not None
     for line in process.stderr:
         if moment in line:
             break
     time.sleep(0.5)
-    os.killpg(process.pid, signal.SIGINT)
+    (os.killpg if to_all else os.kill)(process.pid, ending)
     stopped = time.monotonic()
     _, message = process.communicate(timeout=20)
     assert process.returncode == 130
     assert time.monotonic() - stopped < 5
     assert "interrupted" in message and "Traceback" not in message
     assert files_in(out) == before
-    with pytest.raises(ProcessLookupError):
-        os.killpg(process.pid, 0)  # nobody of its group is left
+    assert ends_within(5, process.pid)
+
+
+def ends_within(seconds, group):
+    """Whether no process of a group is left; one that was killed is there until the system has cleared it up."""
+    deadline = time.monotonic() + seconds
+    while time.monotonic() < deadline:
+        try:
+            os.killpg(group, 0)
+        except ProcessLookupError:
+            return True
+        time.sleep(0.05)
+    return False
+
+
+def test_two_builds_at_once_into_one_folder_leave_one_whole_build(square, tmp_path):
+    out = tmp_path / "out"
+    other = tmp_path / "other.yaml"
+    other.write_text(SQUARE.replace("top:", "lid:"))
+    builds = [
+        subprocess.Popen(command("build", file, "-o", out), stderr=subprocess.PIPE, stdout=subprocess.PIPE)
+        for file in (square, other)
+    ]
+    said = [build.communicate(timeout=60)[1] for build in builds]
+    assert [build.returncode for build in builds] == [0, 0], said
+    (patch,) = read_report(out)["patches"]
+    assert sorted(files_in(out)) == sorted(read_report(out)["files"])
+    assert (out / "pieces" / f"{patch['name']}.svg").exists()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="pipes of a shell")
+def test_nobody_listening_stops_no_build(square, tmp_path):
+    """`flatnet build ... 2>&1 | head -0`: the reader goes, the pieces come."""
+    reader, writer = os.pipe()
+    os.close(reader)
+    build = subprocess.run(command("build", square, "-o", tmp_path / "out"), stdout=writer, stderr=writer, check=False)
+    os.close(writer)
+    assert build.returncode == 0
+    assert sorted(files_in(tmp_path / "out")) == sorted(read_report(tmp_path / "out")["files"])
+
+
+def test_a_console_that_lacks_a_letter_shows_its_number(tmp_path):
+    file = tmp_path / "Kissen für Zoë.yaml"
+    file.write_text(SQUARE.replace("name: square", "name: Größe").replace("\n", "\r\n"), encoding="utf-8", newline="")
+    console = {**os.environ, "PYTHONIOENCODING": "ascii"}
+    done = subprocess.run(command("check", file), capture_output=True, text=True, env=console, check=False)
+    assert (done.returncode, done.stderr) == (0, "")
+    assert "Gr\\xf6\\xdfe: " in done.stdout
+
+
+def test_a_mesh_is_looked_for_beside_the_project(tmp_path, monkeypatch, capsys):
+    """Wherever the command is run."""
+    (tmp_path / "project").mkdir()
+    trimesh.creation.box([300, 300, 1]).export(tmp_path / "project" / "table.stl")
+    text = SQUARE.replace("curves:", "surface: {mesh: table.stl}\ncurves:")
+    (tmp_path / "project" / "project.yaml").write_text(text)
+    monkeypatch.chdir(tmp_path)
+    assert main(["check", "project/project.yaml"]) == 0
+    (tmp_path / "project" / "table.stl").rename(tmp_path / "table.stl")
+    assert main(["check", "project/project.yaml"]) == 2
+    assert "a path is relative to the project file" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("arguments", [[], ["biuld", "x.yaml"], ["build"], ["draw"]])
+def test_a_command_that_is_none_shows_how_it_goes(arguments, capsys):
+    with pytest.raises(SystemExit) as ended:
+        main(arguments)
+    assert ended.value.code == 2
+    assert "usage: flatnet" in capsys.readouterr().err
+
+
+@pytest.mark.skipif(os.name == "nt", reason="terminals of Unix")
+def test_on_a_terminal_a_bar_moves_and_is_gone_at_the_end(square, tmp_path):
+    import pty
+
+    screen, terminal = pty.openpty()
+    build = subprocess.Popen(
+        command("build", square, "-o", tmp_path / "out"), stderr=terminal, stdout=subprocess.PIPE,
+        env={**os.environ, "TERM": "xterm"},
+    )
+    os.close(terminal)
+    build.communicate(timeout=60)
+    shown = os.read(screen, 1 << 20).decode()
+    os.close(screen)
+    assert build.returncode == 0
+    assert "\u2501" in shown and "[1/1]" not in shown
+    assert shown.rstrip().endswith("\x1b[2K")  # the bar's line is cleared

@@ -19,6 +19,8 @@ REPORT_FORMAT = "flatnet-report/1"
 REPORT = "report.json"
 _STAGING = ".flatnet-unfinished-"
 _MANIFEST = "manifest.json"
+#: What ends a process from outside; Windows has no SIGHUP.
+_ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 #: A staging folder older than this, s, is what a killed build left.
 _ABANDONED = 3600.0
 
@@ -44,7 +46,8 @@ class OutputFolder:
         self.folder = folder
         self._committing = False
         with _explained(folder):
-            self._previous = self._files_of_an_earlier_build()
+            self._files_of_an_earlier_build()
+            self._is_new = not folder.exists()
             folder.mkdir(parents=True, exist_ok=True)
             for left in folder.glob(f"{_STAGING}*"):
                 if time.time() - left.stat().st_mtime > _ABANDONED:
@@ -60,7 +63,7 @@ class OutputFolder:
     ) -> None:
         if not self._committing:
             shutil.rmtree(self.staging, ignore_errors=True)
-            if not any(self.folder.iterdir()):
+            if self._is_new and not any(self.folder.iterdir()):
                 self.folder.rmdir()
         if isinstance(error, OSError):
             raise OutputError(_reason(self.folder, error)) from None
@@ -93,19 +96,21 @@ class OutputFolder:
         """Move the written files (paths relative to OUT) into place and remove those of the earlier build."""
         new = sorted(set(files))
         with _explained(self.folder), _not_interrupted():
-            (self.staging / _MANIFEST).write_text(json.dumps(sorted(self._previous.union(new))), encoding="utf-8")
+            # Asked only now: another build may have come into the folder while this one was at work.
+            previous = self._files_of_an_earlier_build()
+            (self.staging / _MANIFEST).write_text(json.dumps(sorted(previous.union(new))), encoding="utf-8")
             self._committing = True
-            for name in [REPORT, *sorted(self._previous.difference(new))]:
+            for name in [REPORT, *sorted(previous.difference(new))]:
                 (self.folder / name).unlink(missing_ok=True)
             for name in sorted(new, key=lambda name: name == REPORT):
                 target = self.folder / name
                 target.parent.mkdir(parents=True, exist_ok=True)
                 os.replace(self.staging / name, target)
-            self._remove_empty_folders()
+            self._remove_empty_folders(previous)
             shutil.rmtree(self.staging, ignore_errors=True)
 
-    def _remove_empty_folders(self) -> None:
-        for name in {str(Path(name).parent) for name in self._previous} - {"."}:
+    def _remove_empty_folders(self, previous: set[str]) -> None:
+        for name in {str(Path(name).parent) for name in previous} - {"."}:
             folder = self.folder / name
             if folder.is_dir() and not any(folder.iterdir()):
                 folder.rmdir()
@@ -125,15 +130,19 @@ def _reason(folder: Path, error: OSError) -> str:
 
 @contextmanager
 def _not_interrupted() -> Iterator[None]:
-    """Ctrl-C waits: moving files takes milliseconds and should not stop half way."""
+    """Ctrl-C and the like have no effect: moving files takes milliseconds and should not stop half way."""
     if threading.current_thread() is not threading.main_thread():
         yield
         return
-    before = signal.signal(signal.SIGINT, signal.SIG_IGN)
+    # A handler that Python did not set is None, and could not be set again.
+    before = {number: handler for number in _ENDING_SIGNALS if (handler := signal.getsignal(number)) is not None}
+    for number in before:
+        signal.signal(number, signal.SIG_IGN)
     try:
         yield
     finally:
-        signal.signal(signal.SIGINT, before)
+        for number, handler in before.items():
+            signal.signal(number, handler)
 
 
 def _json(path: Path) -> object:

@@ -117,6 +117,8 @@ def _run(problem: dict[str, Any], seconds: float) -> list[tuple[int, float, floa
         )
     except subprocess.TimeoutExpired as error:
         raise EngineError(f"it was still running after {seconds:.0f} s") from error
+    except OSError as error:
+        raise EngineError(f"it could not be started: {error}") from error
     try:
         answer = json.loads(run.stdout)
     except json.JSONDecodeError as error:

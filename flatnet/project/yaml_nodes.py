@@ -6,6 +6,7 @@ would become 750 and the first of two equal keys would be lost. What stands in t
 
 from __future__ import annotations
 
+import os
 import re
 from pathlib import Path
 
@@ -36,6 +37,8 @@ def compose(file: Path) -> yaml.MappingNode:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
         said = ", ".join(part for part in (error.context, error.problem) if part)
+        if r"'\t'" in said:
+            said += "; that is a tab: indent with spaces"
         mark = error.problem_mark or error.context_mark
         problem = Problem(_mark(mark) if mark else None, f"not valid YAML: {said}")
         raise ProjectError(file, [problem]) from error
@@ -56,6 +59,8 @@ def compose(file: Path) -> yaml.MappingNode:
 
 
 def _read(file: Path) -> str:
+    if os.path.isdir(file):  # unlike Path.is_dir it takes any text without raising
+        raise ProjectError(file, [Problem(None, "is a folder; name the project file in it")])
     try:
         data = file.read_bytes()
     except FileNotFoundError as error:

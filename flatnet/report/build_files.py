@@ -59,7 +59,7 @@ def read_build(folder: Path) -> BuildFiles:
         There is no build in the folder, or a file of it is missing or is not what a build wrote.
     """
     if not folder.is_dir():
-        raise BuildFilesError(f"{folder}: no such folder; name the output folder of a build")
+        raise BuildFilesError(f"{folder}: is no folder; name the output folder of a build")
     if not (folder / REPORT).is_file():
         raise BuildFilesError(f"{folder}: holds no {REPORT} of a build; run `flatnet build` into it first")
     report = _read(folder / REPORT, _object)

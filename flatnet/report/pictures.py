@@ -37,7 +37,7 @@ def draw(folder: str | Path, picture: str | Path | None = None) -> Path:
     except ModuleNotFoundError as error:
         if not (error.name or "").startswith("matplotlib"):
             raise
-        raise PictureError("drawing needs matplotlib: pip install flatnet[pictures]") from None
+        raise PictureError("drawing needs matplotlib: pip install matplotlib") from None
     content = contact_sheet(build)
     try:
         picture.write_bytes(content)

@@ -88,7 +88,7 @@ def _failed_record(failed: FailedPatch) -> dict[str, object]:
         "name": failed.name,
         "status": "failed",
         "failure": failed.failure.as_dict(),
-        "warnings": [warning.as_dict() for warning in failed.warnings],
+        "warnings": [warning.on(failed.name).as_dict() for warning in failed.warnings],
         "metrics": None,
         "method": None,
         "seconds": dict(failed.seconds or {}),

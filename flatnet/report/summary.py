@@ -13,12 +13,12 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
     """One line per patch, failures with what to do, then the layouts and where everything is."""
     width = max((len(patch["name"]) for patch in report["patches"]), default=0)
     lines = [_patch_line(patch, width) for patch in report["patches"]]
-    for finding in report["findings"]:
-        if not finding["patch"]:
-            lines.append(f"{finding['code']}: {finding['message']} {finding['remedy']}")
+    for patch in report["patches"]:
+        lines += [f"{patch['name']}: warning {_told(warning)}" for warning in patch["warnings"]]
+    lines += [f"warning {_told(finding)}" for finding in report["findings"] if not finding["patch"]]
     for layout in report["layouts"]:
         lines.append(
-            f"{folder / layout['file']}: {len(layout['pieces'])} pieces on {layout['sheet_width_mm']:g} x "
+            f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {layout['sheet_width_mm']:g} x "
             f"{layout['used_length_mm']:.0f} mm, {100 * layout['utilisation']:.1f} % used"
             + (" (draft)" if layout["draft"] else "")
         )
@@ -30,15 +30,17 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
 def _patch_line(patch: dict[str, Any], width: int) -> str:
     name = patch["name"].ljust(width)
     if patch["failure"]:
-        failure = patch["failure"]
-        return f"{name}  FAILED {failure['code']}: {failure['message']} {failure['remedy']}"
+        return f"{name}  FAILED {_told(patch['failure'])}"
     figures = patch["metrics"]
-    warnings = "".join(f"  warning {warning['code']}" for warning in patch["warnings"])
     return (
         f"{name}  ok  {figures['vertices']:5d} V  flat to {figures['max_flattenability_rad']:.0e} rad  "
         f"normals {figures['mean_normal_deviation_deg']:4.1f} deg  bending {figures['bending']:7.1f}  "
-        f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s{warnings}"
+        f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s"
     )
+
+
+def _told(finding: dict[str, Any]) -> str:
+    return f"{finding['code']}: {finding['message']} {finding['remedy']}".rstrip()
 
 
 def network_lines(project: Project, network: CurveNetwork) -> list[str]:
@@ -50,9 +52,16 @@ def network_lines(project: Project, network: CurveNetwork) -> list[str]:
     lines += [str(finding) for finding in network.failed]
     curves = {stretch.curve for stretch in network.stretches.values()}
     euler = ", ".join(map(str, network.euler_characteristics))
+    not_fitted = f", of which {len(network.failed)} can't be made" if network.failed else ""
     lines.append(
-        f"{project.name}: {len(network.nodes)} nodes, {len(curves)} curves in {len(network.stretches)} stretches, "
-        f"{network.face_count} faces ({len(network.patches)} patches, {len(network.openings)} openings), "
-        f"V - E + F = {euler}"
+        f"{project.name}: {counted(len(network.nodes), 'node')}, {counted(len(curves), 'curve')} in "
+        f"{counted(len(network.stretches), 'stretch', 'stretches')}, {counted(network.face_count, 'face')} "
+        f"({counted(len(project.patches), 'patch', 'patches')}{not_fitted}, "
+        f"{counted(len(network.openings), 'opening')}), V - E + F = {euler}"
     )
     return lines
+
+
+def counted(number: int, thing: str, things: str = "") -> str:
+    """`1 piece`, `2 pieces`."""
+    return f"{number} {thing if number == 1 else things or thing + 's'}"

@@ -1,6 +1,8 @@
 """The output folder: what an earlier build left goes, what others put there stays, foreign folders are refused."""
 
 import json
+import os
+import signal
 
 import pytest
 
@@ -81,14 +83,43 @@ def test_a_build_killed_while_files_are_moved_is_cleared_up_by_the_next(tmp_path
     assert [name for name in files_in(out) if not name.startswith(".flatnet")] == ["network.json", REPORT]
 
 
-def test_two_builds_at_once_do_not_meet(tmp_path):
-    with OutputFolder(tmp_path / "out") as first, OutputFolder(tmp_path / "out") as second:
-        for output, text in ((first, "1"), (second, "2")):
-            (output.staging / REPORT).write_text(json.dumps({"format": REPORT_FORMAT, "files": [REPORT], "by": text}))
-        second.commit([REPORT])
-        first.commit([REPORT])
-    assert json.loads((tmp_path / "out" / REPORT).read_text())["by"] == "1"
-    assert files_in(tmp_path / "out") == [REPORT]
+def test_two_builds_at_once_leave_one_of_them_whole(tmp_path):
+    """Neither sees the other's unfinished files, and nothing is left of the one that ends first."""
+    out = tmp_path / "out"
+    with OutputFolder(out) as slow:
+        write(out, pieces__quick_svg="quick", network_json="quick")
+        names = ["pieces/slow.svg", "network.json", REPORT]
+        (slow.staging / "pieces").mkdir()
+        for name in names:
+            (slow.staging / name).write_text(json.dumps({"format": REPORT_FORMAT, "files": names}))
+        slow.commit(names)
+    assert files_in(out) == sorted(names)
+    assert "quick" not in (out / "network.json").read_text()
+
+
+def test_an_empty_folder_or_a_link_to_one_stays_where_nothing_was_committed(tmp_path):
+    (tmp_path / "empty").mkdir()
+    (tmp_path / "link").symlink_to("empty")
+    for name in ("empty", "link"):
+        with pytest.raises(KeyboardInterrupt), OutputFolder(tmp_path / name):
+            raise KeyboardInterrupt
+        assert files_in(tmp_path / name) == [] and (tmp_path / name).is_dir()
+
+
+@pytest.mark.skipif(os.name == "nt", reason="signals sent to this process")
+@pytest.mark.parametrize("ending", ["SIGINT", "SIGTERM", "SIGHUP"])
+def test_a_signal_does_not_stop_the_moving_of_files_half_way(tmp_path, monkeypatch, ending):
+    out = tmp_path / "out"
+    write(out, network_json="1")
+    replace = os.replace
+
+    def interrupted_replace(source, target):
+        os.kill(os.getpid(), getattr(signal, ending))
+        replace(source, target)
+
+    monkeypatch.setattr(os, "replace", interrupted_replace)
+    write(out, layout_json="2", network_json="2")
+    assert files_in(out) == ["layout.json", "network.json", REPORT]
 
 
 def test_what_the_system_says_is_passed_on(tmp_path):

@@ -305,7 +305,7 @@ def test_a_byte_order_mark_is_no_problem(tmp_path: Path) -> None:
 def test_no_such_file_and_a_folder(tmp_path: Path) -> None:
     with pytest.raises(ProjectError, match=r"none\.yaml: there is no such file"):
         load_project(tmp_path / "none.yaml")
-    with pytest.raises(ProjectError, match="cannot be read"):
+    with pytest.raises(ProjectError, match="is a folder; name the project file in it"):
         load_project(tmp_path)
 
 
