@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 import os
 import shutil
@@ -14,6 +15,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
 
+from filelock import FileLock
+
 #: What a report says of itself; a folder with such a report is one of ours.
 REPORT_FORMAT = "flatnet-report/1"
 REPORT = "report.json"
@@ -23,6 +26,8 @@ _MANIFEST = "manifest.json"
 _ENDING_SIGNALS = [getattr(signal, name) for name in ("SIGINT", "SIGTERM", "SIGHUP") if hasattr(signal, name)]
 #: A staging folder older than this, s, is what a killed build left.
 _ABANDONED = 3600.0
+#: So long a build waits for another one that is moving its files, s.
+_LONGEST_COMMIT = 60.0
 
 
 class OutputError(Exception):
@@ -95,7 +100,7 @@ class OutputFolder:
     def commit(self, files: Iterable[str]) -> None:
         """Move the written files (paths relative to OUT) into place and remove those of the earlier build."""
         new = sorted(set(files))
-        with _explained(self.folder), _not_interrupted():
+        with _explained(self.folder), _not_interrupted(), _alone(self.folder):
             # Asked only now: another build may have come into the folder while this one was at work.
             previous = self._files_of_an_earlier_build()
             (self.staging / _MANIFEST).write_text(json.dumps(sorted(previous.union(new))), encoding="utf-8")
@@ -126,6 +131,13 @@ def _explained(folder: Path) -> Iterator[None]:
 
 def _reason(folder: Path, error: OSError) -> str:
     return f"{folder}: can't be written: {error.strerror or error}; name another folder for the output, or make room"
+
+
+def _alone(folder: Path) -> FileLock:
+    """One build at a time moves its files; the lock lies outside the folder, which holds nothing but the build."""
+    place = f"{os.path.expanduser('~')}\n{folder.resolve()}"
+    digest = hashlib.sha256(place.encode()).hexdigest()[:16]
+    return FileLock(Path(tempfile.gettempdir()) / f"flatnet-{digest}.lock", timeout=_LONGEST_COMMIT)
 
 
 @contextmanager
