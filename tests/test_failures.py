@@ -87,6 +87,12 @@ def not_disk():
     return project({"outer": outer, "inner": inner}, {"bad": {"around": [["outer"], ["-inner"]]}})
 
 
+def warp_singular():
+    """Two corners a ten-thousandth of a millimetre apart: nothing tells their constraint points from each other."""
+    points = [[0, 0, 0], [1e-4, 0, 0], [100, 0, 20], [100, 100, 0], [0, 100, 20]]
+    return project({"spike": closed(points, UP)}, {"bad": {"around": ["spike"]}})
+
+
 def sheet_too_small():
     """A piece of 200 x 200 mm on a ribbon."""
     materials = {"cloth": {"width": 1500}, "ribbon": {"width": 50}}
@@ -97,7 +103,8 @@ def sheet_too_small():
 
 
 CASES = {
-    case.__name__: case for case in (lemma_2, self_intersection, not_converged, folded, not_disk, sheet_too_small)
+    case.__name__: case
+    for case in (lemma_2, self_intersection, warp_singular, not_converged, folded, not_disk, sheet_too_small)
 }
 
 
