@@ -23,7 +23,7 @@ from flatnet.fitting.fair_energy import (
 )
 from flatnet.fitting.results import FlattenableMesh, PlanarMesh, WarpedMesh
 from flatnet.geometry.angle_sums import AngleSums
-from flatnet.geometry.triangles import edge_lengths, edges_of, hinge_angles, hinges_of, vertex_normals
+from flatnet.geometry.triangles import edge_lengths, hinge_angles, hinges_of, vertex_normals
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import FairParameters
 from flatnet.solvers.band import BandLayout, BandMatrix, BlockSum
@@ -131,8 +131,7 @@ def fit_fair(
 ) -> FlattenableMesh:
     """M from M^0: interpolates B exactly, flattenable to `parameters.tolerance` where it converges."""
     ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
-    scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
-    return _fitted(_off_symmetry(warped, planar, BUMP * scale), boundary, planar, parameters, ramp)
+    return _fitted(_off_symmetry(warped, planar, BUMP * planar.mean_edge), boundary, planar, parameters, ramp)
 
 
 def refit_fair(
@@ -151,7 +150,7 @@ def _fitted(
     ramp: Floats,
 ) -> FlattenableMesh:
     """M from the vertices `start`, (m, 3) mm, of M^p's triangles."""
-    scale = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
+    scale = planar.mean_edge
     centre = boundary.vertices.mean(axis=0)
     problem = FlattenableProblem(
         planar.positions / scale, planar.triangles, planar.boundary_count, parameters, boundary.min_angles

@@ -116,10 +116,13 @@ def _symmetric_ratio_term(
 
 
 def strain_term(edges: Ints, rest: Floats, weight: float) -> Term:
+    """Edge lengths against their lengths on M^p, (e,)."""
     return _symmetric_ratio_term(edges, edge_lengths, edge_length_gradients, rest, weight, STRAIN_METRIC)
 
 
 def area_term(triangles: Ints, rest: Floats, weight: float) -> Term:
+    """Triangle areas against their areas on M^p, (t,)."""
+
     def areas(vertices: Floats, triangles: Ints) -> Floats:
         return np.linalg.norm(area_vectors(vertices, triangles), axis=1)
 

@@ -18,7 +18,7 @@ from scipy.sparse import coo_matrix, csr_matrix, diags, identity, kron
 
 from flatnet.fitting.results import FlattenableMesh, PlanarMesh, WarpedMesh
 from flatnet.geometry.angle_sums import AngleSums
-from flatnet.geometry.triangles import boundary_triangles, dot, edge_lengths, edges_of
+from flatnet.geometry.triangles import boundary_triangles, dot, edges_of
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import MultiLoopParameters
 from flatnet.solvers.kkt import KktStatus, KktStep, kkt_step
@@ -41,7 +41,7 @@ def multi_loop(
     vanishes and the steps explode. `status` says how it ended: `converged`, `outer loop limit`,
     `stalled` (no part of a step lets the merit function fall) or `singular` (Eq. 10 has no solution).
     """
-    unit_length = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
+    unit_length = planar.mean_edge
     vertices = warped.vertices / unit_length
     problem = _problem(warped, boundary, unit_length, parameters)
 

@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
-from flatnet.geometry.triangles import angle_defects, edge_strain
+from flatnet.geometry.triangles import angle_defects, edge_lengths, edge_strain, edges_of
 from flatnet.network.patch import Patch
 
 Floats = NDArray[np.float64]
@@ -72,6 +72,11 @@ class PlanarMesh:
 
     def __post_init__(self) -> None:
         _freeze(self.positions, self.triangles)
+
+    @cached_property
+    def mean_edge(self) -> float:
+        """Mean edge length, mm: tau of the paper's 3.3, and the unit of length of the solvers."""
+        return float(edge_lengths(self.positions, edges_of(self.triangles)).mean())
 
 
 @dataclass(frozen=True, eq=False)

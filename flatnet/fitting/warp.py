@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from flatnet.failure import PatchFailure
 from flatnet.fitting.results import PlanarMesh, WarpedMesh
 from flatnet.geometry.polygon import edge_vectors
-from flatnet.geometry.triangles import edge_lengths, edges_of, unit
+from flatnet.geometry.triangles import unit
 from flatnet.network.patch import BoundaryCurve
 from flatnet.solvers.rbf import fit_triharmonic
 
@@ -46,7 +46,7 @@ def warp(planar: PlanarMesh, boundary: BoundaryCurve, cross_tangents: bool = Tru
     PatchFailure
         `warp_singular` where the constraint points are degenerate, found by condition and by result.
     """
-    tau = float(edge_lengths(planar.positions, edges_of(planar.triangles)).mean())
+    tau = planar.mean_edge
     outline = planar.positions[: planar.boundary_count]
     sources, targets = constraint_points(outline, boundary, tau, cross_tangents)
     sources, targets = _merge(sources, targets, tau, fixed=len(outline))

@@ -87,6 +87,7 @@ def edges_of(triangles: Ints) -> Ints:
 
 
 def edge_lengths(vertices: Floats, edges: Ints) -> Floats:
+    """Length of every edge, (e,); in the plane or in space."""
     return np.linalg.norm(vertices[edges[:, 1]] - vertices[edges[:, 0]], axis=1)
 
 

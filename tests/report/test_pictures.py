@@ -121,6 +121,7 @@ def test_the_same_build_gives_the_same_bytes_under_any_settings(tmp_path):
 
 @pytest.mark.parametrize("project", ["a $\\frac$ of it", "x" * 200])
 def test_names_are_text_and_no_formula(tmp_path, project):
+    """A name read as a formula would end in an error; `drawn` asserts that there is none."""
     drawn(write_build(tmp_path / "out", project=project), tmp_path / "a.png")
 
 
