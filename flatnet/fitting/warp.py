@@ -11,7 +11,7 @@ from flatnet.fitting.results import PlanarMesh, WarpedMesh
 from flatnet.geometry.polygon import edge_vectors
 from flatnet.geometry.triangles import unit
 from flatnet.network.patch import BoundaryCurve
-from flatnet.solvers.rbf import fit_triharmonic
+from flatnet.solvers.rbf import fit_mirrored, fit_triharmonic
 
 Floats = NDArray[np.float64]
 
@@ -22,6 +22,9 @@ MERGE_DISTANCE = 0.1
 SAME_POINT = 1e-6
 #: Below this reciprocal condition the solution has no digit left.
 SINGULAR = 1e-15
+#: More constraint points than this (about 500 boundary edges) are solved by what their symmetry leaves: the same map
+#: to round-off, in a quarter of the time and a third of the memory.
+MOST_WITHOUT_SYMMETRY = 2500
 #: B must be interpolated to this part of its size, and M^0 must stay within this many sizes of it.
 INTERPOLATION_TOLERANCE, FARTHEST = 1e-6, 3.0
 
@@ -49,8 +52,10 @@ def warp(planar: PlanarMesh, boundary: BoundaryCurve, cross_tangents: bool = Tru
     tau = planar.mean_edge
     outline = planar.positions[: planar.boundary_count]
     sources, targets = constraint_points(outline, boundary, tau, cross_tangents)
-    sources, targets = _merge(sources, targets, tau, fixed=len(outline))
-    mapping = fit_triharmonic(sources, targets)
+    sources, targets = merge_near(sources, targets, tau, fixed=len(outline))
+    # Lifted to both sides, the constraint points are mirrored by the plane, and M^p lies in it.
+    fit = fit_triharmonic if len(sources) <= MOST_WITHOUT_SYMMETRY else fit_mirrored
+    mapping = fit(sources, targets)
     flat = np.column_stack([planar.positions, np.zeros(len(planar.positions))])
     vertices = mapping(flat)
     _check(vertices, boundary, mapping.reciprocal_condition)
@@ -77,7 +82,7 @@ def constraint_points(
     return np.concatenate(sources), np.concatenate(targets)
 
 
-def _merge(sources: Floats, targets: Floats, tau: float, fixed: int) -> tuple[Floats, Floats]:
+def merge_near(sources: Floats, targets: Floats, tau: float, fixed: int) -> tuple[Floats, Floats]:
     """One point for every cluster of sources nearer than `MERGE_DISTANCE` tau.
 
     The first `fixed`, boundary vertices, are not moved: a point near one is dropped for it, and of two vertices

@@ -8,9 +8,10 @@ from flatnet.failure import PatchFailure
 from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import PlanarMesh
 from flatnet.fitting.tessellation import tessellate
-from flatnet.fitting.warp import constraint_points, warp
+from flatnet.fitting.warp import MOST_WITHOUT_SYMMETRY, constraint_points, merge_near, warp
 from flatnet.network.patch import BoundaryCurve, Stretch
 from flatnet.report.metrics import angles_between, boundary_triangle_normals
+from flatnet.solvers.rbf import fit_triharmonic
 
 
 def planar_mesh(boundary, edge_length):
@@ -79,3 +80,50 @@ def test_an_outline_that_touches_itself_is_refused():
     with pytest.raises(PatchFailure) as failure:
         warp(PlanarMesh(positions, planar.triangles, 40), boundary)
     assert failure.value.finding.code == "warp_singular"
+
+
+@pytest.fixture(scope="module")
+def large():
+    """A boundary with more constraint points than are solved without their symmetry, a coarse mesh, and M^0."""
+    boundary, edge_length = case("w12", MOST_WITHOUT_SYMMETRY // 5 + 20)
+    planar = planar_mesh(boundary, 4.0 * edge_length)
+    return boundary, planar, warp(planar, boundary).vertices, np.ptp(boundary.vertices, axis=0).max()
+
+
+def test_a_large_boundary_is_warped_as_by_the_system_of_all_points(large):
+    boundary, planar, warped, size = large
+    outline, tau = planar.positions[: planar.boundary_count], planar.mean_edge
+    sources, targets = merge_near(*constraint_points(outline, boundary, tau, True), tau, fixed=len(outline))
+    assert len(sources) > MOST_WITHOUT_SYMMETRY
+    mapping = fit_triharmonic(sources, targets)
+    expected = mapping(np.column_stack([planar.positions, np.zeros(len(planar.positions))]))
+    # Both are Eq. 3 solved with a reciprocal condition of 1e-12; what is left of it is some 1e-7 of an edge.
+    np.testing.assert_allclose(warped, expected, atol=1e-9 * size)
+
+
+def curve(vertices, normals):
+    n = len(vertices)
+    return BoundaryCurve(vertices, normals, (Stretch("rim", 0, n, False),), np.zeros(n))
+
+
+@pytest.mark.parametrize("scale", [1.0, 0.01, 39.37])
+def test_a_large_warp_moves_and_grows_with_the_boundary(large, scale):
+    boundary, planar, warped, size = large
+    frame = np.linalg.qr(np.random.default_rng(4).normal(size=(3, 3)))[0]
+    frame *= np.linalg.det(frame)
+    shift = np.array([100.0, -2000.0, 30.0])
+    moved = curve(scale * boundary.vertices @ frame.T + shift, boundary.normals @ frame.T)
+    mesh = warp(PlanarMesh(scale * planar.positions, planar.triangles, planar.boundary_count), moved)
+    expected = scale * warped @ frame.T + shift
+    np.testing.assert_allclose(mesh.vertices, expected, atol=1e-9 * max(scale * size, 2000.0))
+
+
+def test_a_large_warp_depends_neither_on_the_first_vertex_nor_on_the_side_it_is_seen_from(large):
+    boundary, planar, warped, size = large
+    n = planar.boundary_count
+    order = np.arange(len(planar.positions))
+    order[:n] = (17 - np.arange(n)) % n  # vertex i is the old one at order[i]
+    triangles = np.argsort(order)[planar.triangles[:, ::-1]]
+    backwards = curve(boundary.vertices[order[:n]], -boundary.normals[order[:n] - 1])
+    mesh = warp(PlanarMesh(planar.positions[order] * [1.0, -1.0], triangles, n), backwards)
+    np.testing.assert_allclose(mesh.vertices, warped[order], atol=1e-9 * size)
