@@ -161,6 +161,38 @@ def test_an_interrupted_build_leaves_the_earlier_one_as_it_was(square, tmp_path,
     assert ends_within(5, process.pid)
 
 
+@pytest.mark.skipif(os.name == "nt", reason="signals of Unix")
+@pytest.mark.parametrize("ending", [signal.SIGINT, signal.SIGTERM])
+@pytest.mark.parametrize("moment", ["numpy", "scipy", "networkx", "trimesh", "flatnet.build"])
+def test_an_interrupt_while_libraries_are_imported_ends_with_one_line(square, tmp_path, moment, ending):
+    """Some of them swallow the exception that Ctrl-C is, others end in a traceback. `-v` tells what is imported."""
+    process = subprocess.Popen(
+        [sys.executable, "-v", *command("build", square, "-o", tmp_path / "out")[1:]],
+        stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True,
+    )
+    assert process.stderr is not None
+    for line in process.stderr:
+        if line.startswith("# code object from") and f"{moment.replace('.', '/')}" in line:
+            break
+    process.send_signal(ending)
+    _, rest = process.communicate(timeout=20)
+    assert process.returncode == 130
+    assert rest.splitlines()[-1] == "interrupted; nothing was written." and "Traceback" not in rest
+    assert not (tmp_path / "out").exists()
+
+
+def test_build_is_a_function_whatever_was_imported_before():
+    """Of the package, although its module has the same name; and nothing heavy comes with the package alone."""
+    lines = (
+        "import sys, flatnet; assert 'numpy' not in sys.modules",
+        "from flatnet.build import run_patch; import flatnet.build; assert callable(flatnet.build)",
+        "from flatnet import ProjectError, build; assert build is flatnet.build",
+        "import flatnet as f; f.check; f.OutputError; f.BuildResult; f.no_such_name",
+    )
+    done = subprocess.run([sys.executable, "-c", "\n".join(lines)], capture_output=True, text=True, check=False)
+    assert done.stderr.splitlines()[-1] == "AttributeError: module 'flatnet' has no attribute 'no_such_name'"
+
+
 def ends_within(seconds, group):
     """Whether no process of a group is left; one that was killed is there until the system has cleared it up."""
     deadline = time.monotonic() + seconds

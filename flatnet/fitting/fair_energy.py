@@ -24,6 +24,7 @@ from flatnet.geometry.triangles import (
     edge_lengths,
     edges_of,
     hinge_angles,
+    hinge_weights,
     hinges_of,
     signed_areas,
     vertex_sums,
@@ -167,14 +168,14 @@ def bump(planar: Floats, triangles: Ints, boundary_count: int) -> Floats:
     return height / np.abs(height).max(initial=1e-300)
 
 
-def hinge_weights(planar: Floats, hinges: Ints) -> Floats:
-    """3 l^2 / (A1 + A2) of every hinge on M^p, capped."""
+def capped_hinge_weights(planar: Floats, hinges: Ints) -> Floats:
+    """Weight of every hinge on M^p, capped."""
     i, j, k, l = hinges.T
     length = edge_lengths(planar, hinges[:, :2])
     area = np.abs(signed_areas(planar, np.stack([i, j, k], 1))) + np.abs(
         signed_areas(planar, np.stack([j, i, l], 1))
     )
-    return np.minimum(3.0 * length**2 / area, HINGE_WEIGHT_CAP)
+    return np.minimum(hinge_weights(length, area), HINGE_WEIGHT_CAP)
 
 
 def boundary_hinges(triangles: Ints, boundary_count: int, first_ghost: int) -> Ints:
@@ -196,12 +197,12 @@ def fair_terms(
 ) -> list[Term]:
     """Bending, given normals, strain and area over a mesh whose ghosts follow its m vertices."""
     hinges = hinges_of(triangles)
-    weights = hinge_weights(planar, hinges)
+    weights = capped_hinge_weights(planar, hinges)
     rim = boundary_hinges(triangles, boundary_count, len(planar))
     rim_length = edge_lengths(planar, rim[:, :2])
     rim_area = np.abs(signed_areas(planar, rim[:, :3]))
     # The ghost stands for a triangle as large as the one inside.
-    rim_weights = np.minimum(3.0 * rim_length**2 / (2.0 * rim_area), HINGE_WEIGHT_CAP)
+    rim_weights = np.minimum(hinge_weights(rim_length, 2.0 * rim_area), HINGE_WEIGHT_CAP)
     # Deviations from the normals do not shrink with the edges as hinges do, and there are more of them on a finer
     # boundary: weighted by length, normal_weight means the same at every mesh size.
     share = rim_length / np.sqrt(np.abs(signed_areas(planar, triangles)).sum())

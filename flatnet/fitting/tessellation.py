@@ -13,7 +13,7 @@ from scipy.sparse.csgraph import connected_components
 from flatnet.failure import PatchFailure
 from flatnet.fitting.results import PlanarBoundary, PlanarMesh
 from flatnet.geometry.crossings import polygon_crossings
-from flatnet.geometry.delaunay import cross, delaunay_flips, drop_degree_three, half_edge_vertices, twins_of
+from flatnet.geometry.delaunay import delaunay_flips, drop_degree_three, half_edge_vertices, planar_cross, twins_of
 from flatnet.geometry.polygon import edge_vectors, side_lengths
 from flatnet.geometry.refinement import Limits, in_lens, near_segments, refine
 from flatnet.geometry.smoothing import area_smoothing, shape_smoothing
@@ -158,7 +158,7 @@ def regular_edge_length(outline: Floats, target: float) -> float:
     """
     if len(outline) >= 2 * PLANNED_INTERIOR:
         return target
-    area = 0.5 * float(np.sum(cross(outline, np.roll(outline, -1, axis=0))))
+    area = 0.5 * float(np.sum(planar_cross(outline, np.roll(outline, -1, axis=0))))
     enough = np.sqrt(area / (SQRT3 / 4.0 * (2 * PLANNED_INTERIOR + len(outline) - 2)))
     return float(min(target, max(enough, shortest_edge_length(outline))))
 

@@ -6,7 +6,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from flatnet.geometry.delaunay import cross
+from flatnet.geometry.delaunay import planar_cross
 from flatnet.geometry.polygon import side_lengths
 from flatnet.geometry.triangles import dot
 
@@ -59,11 +59,11 @@ def _meeting_points(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Floats,
     # Differences of the corners carry the rounding of their own coordinates.
     reach = np.abs(np.concatenate([a, b, c, d], axis=1)).max(axis=1, initial=0.0)
     slack = ROUND_OFF * reach / np.minimum(np.linalg.norm(u, axis=1), np.linalg.norm(v, axis=1))
-    area = cross(u, v)
+    area = planar_cross(u, v)
     parallel = np.abs(area) <= (ROUND_OFF + slack) * lengths
 
     safe = np.where(parallel, 1.0, area)
-    s, t = cross(w, v) / safe, cross(w, u) / safe
+    s, t = planar_cross(w, v) / safe, planar_cross(w, u) / safe
     slack = slack * lengths / np.abs(safe)
     meet = (s >= -slack) & (s <= 1 + slack) & (t >= -slack) & (t <= 1 + slack) & ~parallel
 
@@ -72,7 +72,7 @@ def _meeting_points(a: Floats, b: Floats, c: Floats, d: Floats) -> tuple[Floats,
     from_c, from_d = dot(w, u) / squared, dot(w + v, u) / squared
     first = np.maximum(0.0, np.minimum(from_c, from_d))
     overlap = first <= np.minimum(1.0, np.maximum(from_c, from_d))
-    on_line = np.abs(cross(w, u)) <= (ROUND_OFF + slack) * np.linalg.norm(w, axis=1) * np.sqrt(squared)
+    on_line = np.abs(planar_cross(w, u)) <= (ROUND_OFF + slack) * np.linalg.norm(w, axis=1) * np.sqrt(squared)
     both = parallel & on_line & overlap
     along = np.where(from_d == from_c, 1.0, from_d - from_c)
     s, t = np.where(both, first, s), np.where(both, (first - from_c) / along, t)
@@ -93,7 +93,7 @@ def _along_slit(i: Ints, s: Floats, j: Ints, positions: Floats, space: Floats) -
 
     def left_of(edge: Ints, vertex: Ints) -> Floats:
         along = positions[following[edge]] - positions[edge]
-        return cross(along, positions[vertex] - positions[edge]) / np.linalg.norm(along, axis=1)
+        return planar_cross(along, positions[vertex] - positions[edge]) / np.linalg.norm(along, axis=1)
 
     both_sides = (point[i] == point[following[j]]) & (point[following[i]] == point[j])
     depth = np.max([left_of(i, j), left_of(i, following[j]), left_of(j, i), left_of(j, following[i])], axis=0)

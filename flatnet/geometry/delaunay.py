@@ -36,7 +36,7 @@ def twins_of(triangles: Ints) -> Ints:
     return np.where(key[twin] == wanted, twin, -1)
 
 
-def cross(u: Floats, v: Floats) -> Floats:
+def planar_cross(u: Floats, v: Floats) -> Floats:
     """z component of the cross product of vectors in the plane."""
     return u[..., 0] * v[..., 1] - u[..., 1] * v[..., 0]
 
@@ -90,7 +90,7 @@ def _in_circle(positions: Floats, weights: Floats, i: Ints, j: Ints, k: Ints, ot
     lift_a, lift_b, lift_c = (
         np.sum(d * d, axis=1) + weights[v] - weights[other] for d, v in ((a, i), (b, j), (c, k))
     )
-    determinant = lift_a * cross(b, c) - lift_b * cross(a, c) + lift_c * cross(a, b)
+    determinant = lift_a * planar_cross(b, c) - lift_b * planar_cross(a, c) + lift_c * planar_cross(a, b)
     return determinant / (np.sum(a * a, axis=1) + np.sum(b * b, axis=1) + np.sum(c * c, axis=1)) ** 2
 
 
@@ -112,7 +112,7 @@ def locate(positions: Floats, triangles: Ints, twin: Ints, points: Floats, start
     walking = np.arange(len(points))
     for _ in range(len(triangles)):
         corners = positions[triangles[place[walking]]]
-        side = cross(np.roll(corners, -1, axis=1) - corners, points[walking, None] - corners)
+        side = planar_cross(np.roll(corners, -1, axis=1) - corners, points[walking, None] - corners)
         across = np.argmin(side, axis=1)
         outside = side[np.arange(len(walking)), across] < 0.0
         walking, across = walking[outside], across[outside]

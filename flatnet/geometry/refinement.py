@@ -10,13 +10,13 @@ from numpy.typing import NDArray
 
 from flatnet.geometry.delaunay import (
     TIE_WEIGHT,
-    cross,
     delaunay_flips,
     flip,
     half_edge_vertices,
     insert,
     locate,
     one_per_triangle,
+    planar_cross,
     tie_break,
     twins_of,
 )
@@ -62,7 +62,7 @@ def in_lens(points: Floats, outline: Floats, lens_angle: float) -> Bools:
     point, edge = near_segments(points, outline, height * side_lengths(outline))
     u = outline[edge] - points[point]
     v = np.roll(outline, -1, axis=0)[edge] - points[point]
-    angle = np.arctan2(np.abs(cross(u, v)), np.sum(u * v, axis=1))
+    angle = np.arctan2(np.abs(planar_cross(u, v)), np.sum(u * v, axis=1))
     hit = np.zeros(len(points), dtype=bool)
     hit[point[angle > lens_angle]] = True
     return hit
@@ -121,7 +121,7 @@ def _least_angle(positions: Floats, a: Ints, b: Ints, c: Ints) -> Floats:
     """Smallest angle of the triangles (a, b, c), rad; negative where they turn clockwise."""
     corners = np.stack([a, b, c], axis=1)
     least = corner_angles(positions, corners).min(axis=1, initial=np.pi)
-    return least * np.sign(cross(positions[b] - positions[a], positions[c] - positions[a]))
+    return least * np.sign(planar_cross(positions[b] - positions[a], positions[c] - positions[a]))
 
 
 def chord_splits(positions: Floats, triangles: Ints, boundary_count: int) -> tuple[Floats, Ints]:
@@ -146,7 +146,7 @@ def circumcentres(
     """Circumcentres of thin and large triangles that may become vertices, and a triangle that holds each."""
     corners = positions[triangles]
     a, u, v = corners[:, 0], corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    uu, vv, twice = np.sum(u * u, axis=1), np.sum(v * v, axis=1), 2.0 * cross(u, v)
+    uu, vv, twice = np.sum(u * u, axis=1), np.sum(v * v, axis=1), 2.0 * planar_cross(u, v)
     offset = np.stack([uu * v[:, 1] - vv * u[:, 1], vv * u[:, 0] - uu * v[:, 0]], axis=1) / twice[:, None]
     radius = np.linalg.norm(offset, axis=1)
     angles = corner_angles(positions, triangles).min(axis=1)

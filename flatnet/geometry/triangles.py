@@ -140,6 +140,11 @@ def hinge_angles(vertices: Floats, hinges: Ints) -> Floats:
     return np.arctan2(sine, dot(left, right))
 
 
+def hinge_weights(lengths: Floats, areas: Floats) -> Floats:
+    """3 l^2 / (A1 + A2), the weight of theta^2 in bending; `areas` are those of both triangles of a hinge together."""
+    return 3.0 * lengths**2 / areas
+
+
 def bending(vertices: Floats, triangles: Ints) -> float:
     """Sum over the hinges of theta^2 3 l^2 / (A1 + A2): 0 where flat, the same at every scale and mesh size."""
     hinges = hinges_of(triangles)
@@ -147,4 +152,4 @@ def bending(vertices: Floats, triangles: Ints) -> float:
     area = np.linalg.norm(area_vectors(vertices, np.stack([i, j, k], axis=1)), axis=1)
     area += np.linalg.norm(area_vectors(vertices, np.stack([j, i, l], axis=1)), axis=1)
     length = edge_lengths(vertices, hinges[:, :2])
-    return float(np.sum(hinge_angles(vertices, hinges) ** 2 * 3.0 * length**2 / area))
+    return float(np.sum(hinge_angles(vertices, hinges) ** 2 * hinge_weights(length, area)))

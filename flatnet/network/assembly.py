@@ -12,7 +12,7 @@ from flatnet.forms.surface import ReferenceSurface
 from flatnet.network.boundaries import make_patch
 from flatnet.network.curves import CurveSamples, place_nodes, sample_curve
 from flatnet.network.faces import match_faces
-from flatnet.network.graph import dangling_ends, rotation_system, trace_faces
+from flatnet.network.graph import dangling_ends, lone_slits, rotation_system, trace_faces
 from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
 from flatnet.network.normals import stretch_normals
 from flatnet.network.patch import Patch
@@ -32,10 +32,11 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
     Raises
     ------
     ProjectError
-        The geometry shows that the project is wrong: a projected curve jumps, a curve ends inside a face, the
-        order of curves around a node or the loops of a face are unsure (`ambiguous_faces`), an `around` is no
-        face, a face is listed nowhere, normals change side along a patch. All problems that can be told at
-        once are in it; a patch that is no disk is none of them, but a finding in `failed`.
+        The geometry shows that the project is wrong: a projected curve jumps, a curve ends inside a face, a slit
+        is joined to nothing, the order of curves around a node or the loops of a face are unsure
+        (`ambiguous_faces`), an `around` is no face, a face is listed nowhere, normals change side along a patch.
+        All problems that can be told at once are in it; a patch that is no disk is none of them, but a finding
+        in `failed`.
     """
 
     def refuse(problems: list[Problem]) -> None:
@@ -48,6 +49,7 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
     rotation, problems = rotation_system(stretches, project.nodes)
     refuse(problems)
     traced = trace_faces(stretches, rotation)
+    refuse(lone_slits(traced, stretches, project.curves))
     matched, problems = match_faces(project, stretches, traced)
 
     patches: list[Patch] = []

@@ -75,14 +75,14 @@ def place_nodes(
     for curve in curves.values():
         if curve.on_surface:
             projected.update(curve.nodes)
-    places = {}
-    for name, node in nodes.items():
-        position = np.array(node.position, dtype=float)
-        if name in projected:
-            assert surface is not None, "a project whose nodes lie on a surface has one"
-            position = np.array(surface.nearest(position[None])[0][0])
+    places = {name: np.array(node.position, dtype=float) for name, node in nodes.items()}
+    on_surface = [name for name in nodes if name in projected]
+    if on_surface:
+        assert surface is not None, "a project whose nodes lie on a surface has one"
+        feet, _ = surface.nearest(np.array([places[name] for name in on_surface]))
+        places |= zip(on_surface, np.array(feet), strict=True)
+    for position in places.values():
         position.setflags(write=False)
-        places[name] = position
     return places
 
 

@@ -213,6 +213,26 @@ def trace_faces(stretches: Mapping[str, SampledStretch], rotation: Mapping[str, 
     return TracedFaces(tuple(faces), tuple(characteristics))
 
 
+def lone_slits(
+    traced: TracedFaces, stretches: Mapping[str, SampledStretch], curves: Mapping[str, CurveSpec]
+) -> list[Problem]:
+    """A problem for every loop that runs along slits only, there and back: nothing joins them to a face's boundary."""
+    problems = []
+    for face in traced.faces:
+        darts = set(face.darts)
+        if all(stretches[dart.stretch].slit and dart.opposite in darts for dart in darts):
+            names = list(dict.fromkeys(stretches[dart.stretch].curve for dart in face.darts))
+            verb = "is a slit" if len(names) == 1 else "are slits"
+            problems.append(
+                Problem(
+                    curves[names[0]].mark,
+                    f"{' and '.join(f'curve {name!r}' for name in names)} {verb} joined to no other curve, and no face "
+                    "is cut open: let one end be a node of a curve around the face",
+                )
+            )
+    return problems
+
+
 def _components(
     neighbours: Mapping[Vertex, list[Vertex]], stretches: Mapping[str, SampledStretch]
 ) -> list[set[Vertex]]:

@@ -57,6 +57,7 @@ class _Place:
 
 
 def read_nodes(sections: Section, mm_per_unit: float, has_surface: bool) -> dict[str, NodeSpec]:
+    """The section `nodes` -> name -> node, in file order; two at one place are a problem."""
     point = point_in(mm_per_unit)
     nodes: dict[str, NodeSpec] = {}
     first: dict[tuple[Any, ...], str] = {}
@@ -87,6 +88,7 @@ def _on_surface(section: Section, has_surface: bool) -> bool:
 
 
 def read_curves(sections: Section, setting: CurveSetting) -> dict[str, CurveSpec]:
+    """The section `curves` -> name -> curve, in file order."""
     curves = {}
     for key, mark, node in sections.named():
         section = Section(node, f"curve {key!r}", mark, _CURVE_KEYS, sections.problems)
@@ -232,6 +234,7 @@ class _Count:
     joined: bool
 
     def mismatch(self, given: int) -> str:
+        """What is wrong with so many normals, and how many there should be."""
         if self.joined:
             said = f"the closed curve has {self.segments} segments; give {self.segments}"
         else:

@@ -62,6 +62,7 @@ def _run(curve: CurveSpec, first: str, last: str) -> list[tuple[str, str]]:
 
 
 def read_patches(sections: Section, setting: FaceSetting) -> dict[str, PatchSpec]:
+    """The section `patches` -> name -> patch, in file order."""
     patches = {}
     for key, mark, node in sections.named():
         section = Section(node, f"patch {key!r}", mark, _PATCH_KEYS, sections.problems)
@@ -70,6 +71,7 @@ def read_patches(sections: Section, setting: FaceSetting) -> dict[str, PatchSpec
 
 
 def read_openings(sections: Section, curves: Mapping[str, CurveSpec]) -> dict[str, OpeningSpec]:
+    """The section `openings` -> name -> opening, in file order."""
     openings = {}
     for key, mark, node in sections.named():
         section = Section(node, f"opening {key!r}", mark, ("around",), sections.problems)

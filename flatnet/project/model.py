@@ -31,6 +31,7 @@ class Problem:
     message: str
 
     def located(self, file: Path) -> str:
+        """The message behind its place, as an editor finds it: file:line:column."""
         place = f"{file}:{self.mark.line}:{self.mark.column}" if self.mark else str(file)
         return f"{place}: {self.message}"
 
@@ -69,6 +70,8 @@ class MeshSurface:
 
 @dataclass(frozen=True, eq=False)
 class NodeSpec:
+    """A node as the file gives it; `position` (3,) mm, taken to the surface where `on_surface` says so."""
+
     name: str
     position: Floats
     on_surface: bool
@@ -107,6 +110,7 @@ class NormalSpec:
 
     @property
     def crease(self) -> bool:
+        """Each side of the curve has normals of its own."""
         return self.left is not self.right
 
 
@@ -180,6 +184,8 @@ class PatchSpec:
 
 @dataclass(frozen=True, eq=False)
 class OpeningSpec:
+    """A face that is no patch, by its loops as in `PatchSpec`."""
+
     name: str
     loops: tuple[tuple[SignedCurve, ...], ...]
     mark: Mark

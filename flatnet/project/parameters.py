@@ -29,6 +29,7 @@ def read_fitting(parent: Section, defaults: FittingParameters) -> FittingParamet
 
 
 def parameter_names(cls: type) -> tuple[str, ...]:
+    """The keys that may stand in the section of a parameter class."""
     return tuple(field.name for field in fields(cls))
 
 

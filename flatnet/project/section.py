@@ -49,6 +49,7 @@ class Section:
                 del self.values[text]
 
     def problem(self, where: yaml.Node | Mark, message: str) -> None:
+        """Note what is wrong at a place, under the section's title."""
         mark = where if isinstance(where, Mark) else mark_of(where)
         self.problems.append(Problem(mark, f"{self.title}: {message}" if self.title else message))
 
@@ -63,6 +64,7 @@ class Section:
         return self.get(key, parse, placeholder)
 
     def read(self, label: str, node: yaml.Node, parse: Callable[[yaml.Node], T], placeholder: T) -> T:
+        """What `parse` makes of a node; where it is wrong, that is noted and the placeholder handed out."""
         try:
             return parse(node)
         except WrongValueError as error:

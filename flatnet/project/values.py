@@ -40,6 +40,7 @@ class WrongValueError(Exception):
 
 
 def wrong(node: yaml.Node, expected: str) -> WrongValueError:
+    """The error that says what was expected and what stands there."""
     return WrongValueError(node, f"expected {expected}, got {describe(node)}")
 
 
@@ -78,6 +79,7 @@ def number(node: yaml.Node) -> float:
 
 
 def integer(node: yaml.Node) -> int:
+    """A whole number."""
     value = number(node)
     if value != round(value):
         raise wrong(node, "a whole number")
@@ -148,11 +150,13 @@ def _vector(node: yaml.Node, parse: Parser[float]) -> Floats:
 
 
 def frozen(array: Floats) -> Floats:
+    """The same array, read-only."""
     array.setflags(write=False)
     return array
 
 
 def flag(node: yaml.Node) -> bool:
+    """true, yes, on; or false, no, off."""
     text = node.value.lower() if is_plain(node) else ""
     if text not in _TRUE + _FALSE:
         raise wrong(node, "true or false")

@@ -86,6 +86,7 @@ def _mark(mark: yaml.Mark) -> Mark:
 
 
 def mark_of(node: yaml.Node) -> Mark:
+    """Where a node begins."""
     return _mark(node.start_mark)
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.fitting.results import SurfaceMesh
-from flatnet.geometry.triangles import unit
+from flatnet.geometry.triangles import area_vectors, unit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -72,8 +72,7 @@ class Surface:
     @property
     def area_vectors(self) -> Floats:
         """Normal of every triangle times its area, (t, 3)."""
-        a, b, c = self.corners.transpose(1, 0, 2)
-        return 0.5 * np.cross(b - a, c - a)
+        return area_vectors(self.corners.reshape(-1, 3), np.arange(3 * len(self.corners)).reshape(-1, 3))
 
     def back_to_front(self, camera: Camera) -> tuple[Floats, Ints]:
         """The painter's order of triangles and boundary edges together.
@@ -108,8 +107,8 @@ def cameras(surface: Surface) -> tuple[Camera, Camera]:
     where folds show. A body is seen three quarters from the front, on the side where more of it is closed,
     then from behind.
     """
-    area_vectors = surface.area_vectors
-    x, y, z = area_vectors.sum(axis=0) / np.linalg.norm(area_vectors, axis=1).sum()
+    vectors = surface.area_vectors
+    x, y, z = vectors.sum(axis=0) / np.linalg.norm(vectors, axis=1).sum()
     if np.linalg.norm([x, y, z]) < BODY:
         front = FROM_THE_FRONT
         if x < -1e-6:  # of a symmetric body it is round-off

@@ -9,7 +9,7 @@ from scipy.spatial import cKDTree
 from flatnet.failure import PatchFailure
 from flatnet.fitting.results import PlanarBoundary, PlanarMesh
 from flatnet.fitting.tessellation import sample, tessellate
-from flatnet.geometry.delaunay import cross
+from flatnet.geometry.delaunay import planar_cross
 from flatnet.geometry.triangles import (
     angle_sums,
     corner_angles,
@@ -114,7 +114,7 @@ def assert_good_disk(mesh, outline):
     assert rim == {tuple(sorted((i, (i + 1) % n))) for i in range(n)}
     areas = signed_areas(mesh.positions, mesh.triangles)
     assert areas.min() > 0
-    area = 0.5 * cross(outline, np.roll(outline, -1, axis=0)).sum()
+    area = 0.5 * planar_cross(outline, np.roll(outline, -1, axis=0)).sum()
     assert areas.sum() == pytest.approx(area, rel=1e-12)
     assert not (hinges[:, :2] < n).all(axis=1).any(), "an interior edge joins two boundary vertices"
     degrees = degrees_of(mesh)
@@ -225,7 +225,7 @@ def test_the_sides_of_a_closed_slit_stay_apart(name):
     assert np.degrees(corner_angles(mesh.positions, mesh.triangles)).min() > 20
     # The turning of the outline decides the angle at every boundary vertex, 2 pi at the tip.
     arriving, leaving = outline - previous, following - outline
-    turn = np.arctan2(cross(arriving, leaving), (arriving * leaving).sum(axis=1))
+    turn = np.arctan2(planar_cross(arriving, leaving), (arriving * leaving).sum(axis=1))
     turn[list(tips)] = -np.pi
     inner = angle_sums(mesh.positions, mesh.triangles)[:n]
     assert np.allclose(inner, np.pi - turn, atol=1e-9)

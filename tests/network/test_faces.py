@@ -60,6 +60,20 @@ def torus_grid(torus, across, around):
     return {"nodes": nodes, "curves": curves, "patches": patches}
 
 
+@pytest.mark.parametrize("rest", [{}, {"rest": "openings"}])
+def test_a_slit_that_nothing_joins_is_named(tmp_path, rest):
+    nodes, curves = square()
+    nodes |= {"a": [10, 10, 0], "b": [20, 10, 0], "c": [20, 20, 0]}
+    curves |= {"dart": line("a", "b", slit=True), "leg": line("b", "c", slit=True)}
+    sections = {"nodes": nodes, "curves": flat(curves), "patches": {"p": {"around": SQUARE_AROUND}}, **rest}
+    with pytest.raises(ProjectError, match="curve 'dart' and curve 'leg' are slits joined to no other curve"):
+        network_of(tmp_path, **sections)
+    curves["join"] = line("sw", "a", slit=True)
+    around = [*SQUARE_AROUND, "join", "dart", "leg", "-leg", "-dart", "-join"]
+    sections |= {"curves": flat(curves), "patches": {"p": {"around": around}}, "rest": "openings"}
+    assert len(network_of(tmp_path, **sections).patches) == 1
+
+
 @pytest.mark.parametrize(
     ("sections", "faces"),
     [(TETRAHEDRON, 4), (polyhedron(CUBE_VERTICES, CUBE_FACES), 6), (OCTAHEDRON, 8)],
