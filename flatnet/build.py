@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import json
 import traceback
-from collections.abc import Callable, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 
 from threadpoolctl import threadpool_limits
@@ -26,6 +26,7 @@ from flatnet.network import CurveNetwork, make_network
 from flatnet.network.patch import Patch
 from flatnet.parameters import FittingParameters
 from flatnet.pattern.piece import Piece, make_piece
+from flatnet.pattern.seams import Seam, plan_seams
 from flatnet.project import Project, load_project
 from flatnet.report.report import make_report
 
@@ -66,7 +67,7 @@ def build(project_file: str | Path, out: str | Path, progress: Progress = lambda
         # sums do not depend on how many there are.
         with threadpool_limits(limits=1, user_api="blas"):
             results = _fit_all(project, network, progress)
-        pieces, results = _make_pieces(project, results)
+        pieces, results = _make_pieces(project, plan_seams(project, network), results)
         layouts, findings = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
         named = dict(zip(_layout_files(layouts), layouts, strict=True))
         files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
@@ -135,7 +136,7 @@ def run_patch(
 
 
 def _make_pieces(
-    project: Project, results: Sequence[FittedPatch | FailedPatch]
+    project: Project, seams: Mapping[str, Seam], results: Sequence[FittedPatch | FailedPatch]
 ) -> tuple[list[Piece], list[FittedPatch | FailedPatch]]:
     """A piece for every fitted patch; one whose piece can't be made becomes a failed patch."""
     pieces: list[Piece] = []
@@ -144,7 +145,9 @@ def _make_pieces(
         if isinstance(result, FittedPatch):
             name = result.patch.name
             try:
-                pieces.append(make_piece(result, project.materials[result.patch.material]))
+                piece = make_piece(result, project.materials[result.patch.material], seams)
+                pieces.append(piece)
+                result = replace(result, warnings=result.warnings + piece.warnings)
             except PatchFailure as failure:
                 result = FailedPatch(name, failure.finding.on(name), result.warnings, result.seconds)
             except Exception as error:

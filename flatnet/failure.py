@@ -22,6 +22,7 @@ CODES: dict[str, str] = {
     "sheet_too_small": "the piece does not fit on the material",
     "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
     "opposed_normals": "the normals of two neighbouring edges are opposed",
+    "crowded_allowance": "an allowance has no room: the piece itself or another allowance lies there",
     "no_grain": "the grain direction is nowhere along the patch",
     "draft_layout": "the nesting engine gave no layout: the pieces are laid in plain rows",
 }

@@ -15,7 +15,9 @@ LETTER_F = np.array(
 SQUARE = np.array([[0, 0], [100, 0], [100, 100], [0, 100]], float)
 
 
-def fitted(outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stretches=None) -> FittedPatch:
+def fitted(
+    outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stretches=None, allowance=None
+) -> FittedPatch:
     """A fitted patch in the plane z = 0 whose flat outline is `outline`, one seam per edge."""
     outline = np.array(outline, float)
     n = len(outline)
@@ -23,7 +25,8 @@ def fitted(outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stre
     if stretches is None:
         stretches = tuple(Stretch(f"seam_{i}", i, 1, False) for i in range(n))
     boundary = BoundaryCurve(space, np.tile([0.0, 0.0, 1.0], (n, 1)), stretches, np.zeros(n))
-    patch = Patch(name, boundary, 8.0, "cloth", cut, mirrored, None if grain is None else np.array(grain))
+    grain = None if grain is None else np.array(grain)
+    patch = Patch(name, boundary, 8.0, "cloth", cut, mirrored, grain, allowance)
     triangles = _triangles(outline)
     return FittedPatch(
         patch=patch,

@@ -52,7 +52,7 @@ def make_patch(
     if problems:
         return None, problems
     return _winding(spec, boundary) or Patch(
-        spec.name, boundary, spec.edge_length, spec.material, spec.cut, spec.mirrored, spec.grain
+        spec.name, boundary, spec.edge_length, spec.material, spec.cut, spec.mirrored, spec.grain, spec.allowance
     ), []
 
 

@@ -80,6 +80,7 @@ class Patch:
     material : name of a material of the project.
     cut, mirrored : how many plain and how many mirrored copies are cut.
     grain : (3,) float, unit: the direction in space that is laid along the roll; None where there is none.
+    allowance : along seams that say nothing, mm; None: as the material says.
     """
 
     name: str
@@ -89,3 +90,4 @@ class Patch:
     cut: int = 1
     mirrored: int = 0
     grain: Floats | None = None
+    allowance: float | None = None

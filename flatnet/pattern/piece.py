@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,18 +11,17 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from flatnet.failure import PatchFailure
+from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import FittedPatch
+from flatnet.geometry.polygon import side_lengths
+from flatnet.network.patch import Patch
+from flatnet.pattern.allowance import TOUCH, Corner, cut_line
 from flatnet.pattern.labels import Label, grain_line, name_label, seam_label
-from flatnet.project.model import Material
+from flatnet.pattern.seams import Seam
+from flatnet.project.model import Ends, Material
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
-
-#: A corner of the cut line lies at most this many allowances from the sew line's (the trade's mitre limit).
-MITRE_LIMIT = 3.5
-#: Sides of a slit lie on each other up to round-off: an overlap narrower than this, mm, is none.
-TOUCH = 1e-3
 
 
 @dataclass(frozen=True, eq=False)
@@ -50,12 +50,13 @@ class Piece:
     Attributes
     ----------
     sew_line : (n, 2) float; the flat boundary of the patch, untouched.
-    cut_line : (k, 2) float; the sew line and its allowance.
+    cut_line : (k, 2) float; the sew line and its allowances.
     holes : (k, 2) float each, clockwise; cut out inside it: what a patch that closes on itself goes round.
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
     label : name, copies and material, well inside the piece.
     cut, mirrored : how many plain and how many mirrored copies are cut.
     material : name of the material.
+    warnings : what whoever cuts it has to know.
     """
 
     name: str
@@ -68,6 +69,7 @@ class Piece:
     cut: int
     mirrored: int
     material: str
+    warnings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
         for line in (self.sew_line, self.cut_line, *self.holes):
@@ -107,27 +109,12 @@ def region_of(outline: Floats) -> Polygon:
     return Polygon(parts[0].exterior, [hole for hole in parts[0].interiors if Polygon(hole).area > slack])
 
 
-def offset_outline(outline: Floats, region: Polygon, allowance: float) -> tuple[Floats, tuple[Floats, ...]]:
-    """The outline with a uniform allowance, mitred at corners up to `MITRE_LIMIT`, and the holes left inside it.
+def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam] | None = None) -> Piece:
+    """Draw the piece of a fitted patch.
 
-    A ring that is cut open and lies closed in the plane has a hole; without allowance its outline runs round
-    the hole by itself. On straight parts and at convex corners the distance is exact; along inward curves GEOS
-    leaves vertices out where that widens the allowance by up to 1 %, never narrows it.
-    """
-    if allowance == 0.0:
-        return outline, ()
-    grown = region.buffer(allowance, join_style="mitre", mitre_limit=MITRE_LIMIT)
-    grown = shapely.orient_polygons(grown)
-    slack = TOUCH * grown.length
-    cut_line, *holes = (
-        shapely.get_coordinates(ring)[:-1]
-        for ring in (grown.exterior, *(hole for hole in grown.interiors if Polygon(hole).area > slack))
-    )
-    return cut_line, tuple(holes)
-
-
-def make_piece(fitted: FittedPatch, material: Material) -> Piece:
-    """Draw the piece of a fitted patch, with the allowance of its material.
+    Parameters
+    ----------
+    seams : what is decided for its seams, by name; a seam that is missing has the allowance of the patch.
 
     Raises
     ------
@@ -145,25 +132,71 @@ def make_piece(fitted: FittedPatch, material: Material) -> Piece:
 
     label = name_label(_text(patch.name, patch.cut, patch.mirrored, material.name), inside)
     free = inside.difference(label.box)
-    seams = []
+    runs = []
     for stretch in patch.boundary.stretches:
         along = np.arange(stretch.first, stretch.first + stretch.count + 1) % len(sew_line)
         seam = seam_label(stretch.seam, sew_line[along], free)
         if seam:
             free = free.difference(seam.box)
-        seams.append(SeamRun(stretch.seam, along[::-1].copy() if stretch.reversed else along, seam))
-    cut_line, holes = offset_outline(sew_line, inside, material.allowance)
+        runs.append(SeamRun(stretch.seam, along[::-1].copy() if stretch.reversed else along, seam))
+    widths, corners = _allowances(patch, material, seams or {})
+    cut = cut_line(sew_line, inside, widths, corners)
     return Piece(
         name=patch.name,
         sew_line=sew_line,
-        cut_line=cut_line,
-        holes=holes,
-        seams=tuple(seams),
+        cut_line=cut.outline,
+        holes=cut.holes,
+        seams=tuple(runs),
         grain=grain_line(free) if fitted.has_grain else None,
         label=label,
         cut=patch.cut,
         mirrored=patch.mirrored,
         material=material.name,
+        warnings=tuple(_crowded(patch, widths, first, count) for first, count in cut.crowded),
+    )
+
+
+def _allowances(patch: Patch, material: Material, seams: Mapping[str, Seam]) -> tuple[Floats, dict[int, Corner]]:
+    """The allowance of every edge, (n,) mm, and how allowances meet at the vertices where two curves do.
+
+    What is said more specially wins: a side of a curve, the patch, the material. Where both curves of a corner say how
+    their allowances end, the wider one has its way: it is the one that is folded last.
+    """
+    stretches = patch.boundary.stretches
+    usual = material.allowance if patch.allowance is None else patch.allowance
+    widths = np.full(len(patch.boundary.vertices), usual)
+    for stretch in stretches:
+        seam = seams.get(stretch.seam)
+        if seam is None:
+            continue
+        said = seam.spec.right if stretch.reversed else seam.spec.left
+        widths[stretch.first : stretch.first + stretch.count] = usual if said is None else said
+    corners = {}
+    for before, after in zip((stretches[-1], *stretches[:-1]), stretches, strict=True):
+        first, second = seams.get(before.seam), seams.get(after.seam)
+        if first is None or second is None or first.curve == second.curve:
+            continue
+        a, b = widths[after.first - 1], widths[after.first]
+        second_wins = second.spec.ends != Ends() and (b > a or first.spec.ends == Ends())
+        corners[after.first] = Corner(second.spec.ends, "after") if second_wins else Corner(first.spec.ends)
+    return widths, corners
+
+
+def _crowded(patch: Patch, widths: Floats, first: int, count: int) -> Finding:
+    boundary = patch.boundary
+    edges = np.arange(first, first + count) % len(widths)
+    length, width = float(side_lengths(boundary.vertices)[edges].sum()), float(widths[edges].max())
+    start, end = boundary.place(first), boundary.place(first + count)
+    return Finding(
+        code="crowded_allowance",
+        stage="pattern",
+        patch=patch.name,
+        where=f"from {start} to {end}",
+        amount=length,
+        unit="mm",
+        message=f"the allowance of {width:g} mm has no room along {length:.0f} mm, from {start} to {end}: the piece "
+        "itself or another allowance lies there, and the cut line leaves this part of the sew line out.",
+        remedy="Give its curves a smaller `allowance`, 0 at the least, or divide the patch.",
     )
 
 

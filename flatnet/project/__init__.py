@@ -3,6 +3,7 @@
 from flatnet.project.loader import load_project
 from flatnet.project.model import (
     CurveSpec,
+    Ends,
     FormSurface,
     Mark,
     Material,
@@ -15,11 +16,13 @@ from flatnet.project.model import (
     Problem,
     Project,
     ProjectError,
+    SeamSpec,
     SignedCurve,
 )
 
 __all__ = [
     "CurveSpec",
+    "Ends",
     "FormSurface",
     "Mark",
     "Material",
@@ -32,6 +35,7 @@ __all__ = [
     "Problem",
     "Project",
     "ProjectError",
+    "SeamSpec",
     "SignedCurve",
     "load_project",
 ]

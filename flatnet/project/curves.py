@@ -11,6 +11,7 @@ import yaml
 
 from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec
 from flatnet.project.section import Section
+from flatnet.project.sewing import SEAM_KEYS, read_seam
 from flatnet.project.values import (
     direction,
     flag,
@@ -26,7 +27,7 @@ from flatnet.project.values import (
 from flatnet.project.yaml_nodes import mark_of
 
 _NODE_KEYS = ("at", "on")
-_CURVE_KEYS = ("from", "to", "points", "closed", "kind", "on", "slit", "edge_length", "normals")
+_CURVE_KEYS = ("from", "to", "points", "closed", "kind", "on", "slit", "edge_length", "normals", *SEAM_KEYS)
 #: Points nearer than this, in edge lengths, are the same place.
 _SAME_PLACE = 1e-6
 #: A curve that would be divided into more edges than this has its edge_length in a wrong unit.
@@ -131,6 +132,7 @@ def _curve(key: str, section: Section, setting: CurveSetting) -> CurveSpec:
         edge_length=edge_length,
         normals=normals,
         mark=section.mark,
+        seam=read_seam(section, setting.mm_per_unit),
     )
 
 

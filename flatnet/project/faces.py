@@ -14,6 +14,7 @@ from flatnet.parameters import FittingParameters
 from flatnet.project.model import CurveSpec, Floats, OpeningSpec, PatchSpec, Problem, SignedCurve
 from flatnet.project.parameters import read_fitting
 from flatnet.project.section import Section
+from flatnet.project.sewing import allowance_in
 from flatnet.project.values import (
     NAME,
     WrongValueError,
@@ -29,7 +30,7 @@ from flatnet.project.values import (
 )
 from flatnet.project.yaml_nodes import mark_of
 
-_PATCH_KEYS = ("around", "material", "cut", "mirrored", "grain", "edge_length", "min_angle", "fitting")
+_PATCH_KEYS = ("around", "material", "cut", "mirrored", "grain", "edge_length", "min_angle", "fitting", "allowance")
 _SIGNED = re.compile(rf"(-?)({NAME})(?::({NAME})\.\.({NAME}))?")
 _MOST_COPIES = 1000
 Loops = tuple[tuple[SignedCurve, ...], ...]
@@ -101,6 +102,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         min_angles=_min_angles(section, loops if complete else (), setting.curves),
         fitting=read_fitting(section, setting.fitting),
         mark=section.mark,
+        allowance=section.get("allowance", allowance_in(setting.mm_per_unit), None),
     )
 
 

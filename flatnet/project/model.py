@@ -114,6 +114,42 @@ class NormalSpec:
         return self.left is not self.right
 
 
+@dataclass(frozen=True)
+class Ends:
+    """How an allowance ends at the corners of a piece.
+
+    Attributes
+    ----------
+    kind : `mitre` (the parallels are drawn on until they meet), `bevel` (straight from the end of the one to that of
+        the other), `mirrored` (as the cut line of the neighbouring edge, mirrored in this sew line: both lie on each
+        other when the allowance is folded over), `square` (at a right angle to this sew line).
+    length : how far a mitre may reach from the sew line's corner, mm; None: the usual limit.
+    """
+
+    kind: Literal["mitre", "bevel", "mirrored", "square"] = "mitre"
+    length: float | None = None
+
+    @property
+    def is_folded(self) -> bool:
+        """Whether the end belongs to one of the two edges."""
+        return self.kind in ("mirrored", "square")
+
+
+@dataclass(frozen=True)
+class SeamSpec:
+    """How the pieces along a curve are cut.
+
+    Attributes
+    ----------
+    left, right : allowance of the piece on that side of the curve's direction, mm; None: as its patch says.
+    ends : how the allowances end at corners.
+    """
+
+    left: float | None = None
+    right: float | None = None
+    ends: Ends = Ends()
+
+
 @dataclass(frozen=True, eq=False)
 class CurveSpec:
     """A curve as the file gives it.
@@ -124,6 +160,7 @@ class CurveSpec:
     points : between start and end: a node's name or (3,) mm.
     closed : the last point is joined to the first.
     edge_length : target length of its edges, mm.
+    seam : how the pieces along it are cut.
     """
 
     name: str
@@ -137,6 +174,7 @@ class CurveSpec:
     edge_length: float
     normals: NormalSpec
     mark: Mark
+    seam: SeamSpec = SeamSpec()
 
     @property
     def nodes(self) -> list[str]:
@@ -168,6 +206,7 @@ class PatchSpec:
     grain : unit (3,) or None.
     min_angles : node name -> rad.
     fitting : the method of this patch, as its parameters.
+    allowance : of its edges whose curves say nothing, mm; None: as its material says.
     """
 
     name: str
@@ -180,6 +219,7 @@ class PatchSpec:
     min_angles: Mapping[str, float]
     fitting: FittingParameters
     mark: Mark
+    allowance: float | None = None
 
 
 @dataclass(frozen=True, eq=False)

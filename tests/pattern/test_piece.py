@@ -8,7 +8,9 @@ from pieces import LETTER_F, SQUARE, blob, cloth, fitted, piece
 from flatnet.failure import PatchFailure
 from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
-from flatnet.pattern.piece import MITRE_LIMIT
+from flatnet.pattern.allowance import MITRE_LIMIT
+from flatnet.pattern.seams import Seam
+from flatnet.project.model import Ends, SeamSpec
 
 #: Round-off of GEOS over outlines of 100 to 1000 mm.
 ROUND_OFF = 1e-9
@@ -44,15 +46,46 @@ def test_a_sharp_corner_is_capped_at_the_mitre_limit():
 
 
 @pytest.mark.parametrize("seed", range(5))
-def test_on_curves_the_allowance_is_never_less_and_at_most_one_percent_more(seed):
+def test_on_curves_the_cut_line_keeps_its_distance(seed):
     made = piece(blob(seed), cloth(width=2000.0, allowance=10.0))
     assert made.region.is_valid and made.region.contains(shapely.Polygon(made.sew_line))
-    sew = shapely.LinearRing(made.sew_line)
-    distance = shapely.distance(middles(made.cut_line), sew)
-    assert shapely.LinearRing(made.cut_line).distance(sew) >= 10.0 - ROUND_OFF
-    assert distance.min() >= 10.0 - ROUND_OFF
-    assert distance.max() <= 10.1 + ROUND_OFF
+    distance = shapely.distance(middles(made.cut_line), shapely.LinearRing(made.sew_line))
+    np.testing.assert_allclose(distance, 10.0, atol=ROUND_OFF)
     assert shapely.is_ccw(shapely.LinearRing(made.cut_line))
+
+
+def seam(number, **spec):
+    return Seam(f"seam_{number}", number + 1, f"curve_{number}", SeamSpec(**spec))
+
+
+def test_the_more_special_allowance_wins():
+    # Of a square from (0, 0) to (100, 100): a side of a seam, the patch, and the seam of the other side.
+    seams = {f"seam_{i}": seam(i) for i in range(4)}
+    seams["seam_0"] = seam(0, left=30.0, right=1.0)
+    seams["seam_2"] = seam(2, right=20.0)
+
+    def bounds(**rest):
+        return make_piece(fitted(SQUARE, **rest), cloth(allowance=5.0), seams).region.bounds
+
+    assert bounds() == pytest.approx((-5, -30, 105, 105))
+    assert bounds(allowance=7.0) == pytest.approx((-7, -30, 107, 107))
+    stretches = tuple(Stretch(f"seam_{i}", i, 1, i == 2) for i in range(4))
+    assert bounds(stretches=stretches) == pytest.approx((-5, -30, 105, 120))
+
+
+def test_the_wider_allowance_decides_how_both_end():
+    seams = {f"seam_{i}": seam(i) for i in range(4)}
+    seams["seam_0"] = seam(0, left=30.0, ends=Ends("bevel"))
+    seams["seam_1"] = seam(1, left=10.0, ends=Ends("mitre", 12.0))
+    found = make_piece(fitted(SQUARE), cloth(), seams).cut_line.round(9).tolist()
+    assert [100.0, -30.0] in found and [110.0, 0.0] in found  # a bevel, as the wider one wants
+
+
+def test_an_allowance_without_room_is_a_warning_that_says_where():
+    slot = [[0, 0], [50, 0], [50, 60], [52, 60], [52, 0], [100, 0], [100, 100], [0, 100]]
+    (warning,) = piece(slot, cloth(allowance=5.0)).warnings
+    assert (warning.code, warning.amount) == ("crowded_allowance", pytest.approx(122.0))
+    assert "'seam_1' at 0.0 mm" in warning.where
 
 
 def test_without_allowance_the_cut_line_is_the_sew_line():

@@ -12,6 +12,7 @@ import pytest
 
 from flatnet.parameters import METHODS, FairParameters, MultiLoopParameters, NestingParameters
 from flatnet.project import (
+    Ends,
     FormSurface,
     Mark,
     Material,
@@ -19,6 +20,7 @@ from flatnet.project import (
     Problem,
     Project,
     ProjectError,
+    SeamSpec,
     load_project,
 )
 
@@ -76,6 +78,9 @@ def test_curves(tmp_path: Path) -> None:
     top = curves["top"]
     assert (top.start, top.points[1], top.end, top.closed) == ("007", "d-e.f", "on", False)
     assert curves["dart"].slit
+    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"))
+    assert curves["side"].seam == SeamSpec(None, 0.0, Ends("mitre", 25.0))
+    assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None))
     assert (curves["hole"].closed, curves["hole"].start) == (True, None)
     assert (curves["ring"].closed, curves["ring"].start, curves["ring"].end) == (True, "tip", "tip")
     assert curves["hem"].mark == Mark(14, 3)
@@ -101,6 +106,7 @@ def test_patches(tmp_path: Path) -> None:
     assert front.grain is not None and disk.grain is None
     np.testing.assert_allclose(front.grain, [0, 0.6, 0.8], rtol=1e-15)
     assert front.min_angles == {"no": np.radians(95.0)}
+    assert (front.allowance, disk.allowance) == (8.0, None)
     assert front.fitting == MultiLoopParameters()
     assert disk.fitting == FairParameters(normal_weight=2.0, ramp_steps=20)
 
@@ -223,6 +229,10 @@ BAD = [
     ("ab: {from: a, to: b", "ab: {from: a, to: b, edge_length: 1e-6", 6, 3, "are 'units' and 'edge_length'"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, on: surface", 6, 28, "the file has no surface"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, kind: splin", 6, 30, "did you mean 'spline'?"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, allowance: -1", 6, 35, "must not be less than 0, got -1"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, allowance: {lft: 1}", 6, 36, "did you mean 'left'?"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, ends: miter", 6, 30, "did you mean 'mitre'?"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, ends: 0", 6, 30, "must be greater than 0, got 0"),
     ("a, to: b, normals: [0, 0, 1]", "a, to: b", 6, 3, "has no normals, but patch 'p' needs them"),
     ("b, normals: [0, 0, 1]", "b, normals: surface", 6, 33, "normals: surface, but the file has no surface"),
     ("b, normals: [0, 0, 1]", "b, normals: [0, 0, 0]", 6, 33, "a direction must not be [0, 0, 0]"),
@@ -245,6 +255,7 @@ BAD = [
     ("ca]}", "ca], cut: 1.5}", 10, 34, "expected a whole number, got 1.5"),
     ("ca]}", "ca], cut: -1}", 10, 34, "must be in [0, 1000], got -1"),
     ("ca]}", "ca], cut: 0}", 10, 34, "nothing is cut"),
+    ("ca]}", "ca], allowance: 1 cm}", 10, 40, "expected a number, got '1 cm'"),
     ("ca]}", "ca], grain: down}", 10, 36, "expected 'up', 'none' or a direction"),
     ("ca]}", "ca], min_angle: {d: 90}}", 10, 41, "node 'd' is not on the boundary of the patch"),
     ("ca]}", "ca], min_angle: {a: 360}}", 10, 44, "must be between 0 and 360 degrees, got 360"),
