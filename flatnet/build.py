@@ -62,16 +62,17 @@ def build(project_file: str | Path, out: str | Path, progress: Progress = lambda
     project = load_project(Path(project_file))
     surface = make_surface(project)
     network = make_network(project, surface)
+    seams = plan_seams(project, network)
     with OutputFolder(Path(out)) as output:
         # One thread: the matrices are small, threads that wait for each other cost more than they bring, and the
         # sums do not depend on how many there are.
         with threadpool_limits(limits=1, user_api="blas"):
             results = _fit_all(project, network, progress)
-        pieces, results = _make_pieces(project, plan_seams(project, network), results)
+        pieces, results = _make_pieces(project, seams, results)
         layouts, findings = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
         named = dict(zip(_layout_files(layouts), layouts, strict=True))
         files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
-        report = make_report(project.name, network, surface, results, named, findings, sorted(files))
+        report = make_report(project.name, network, seams, surface, results, named, findings, sorted(files))
         (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
         output.commit(files)
     return BuildResult(output.folder, report)
@@ -86,7 +87,9 @@ def check(project_file: str | Path) -> tuple[Project, CurveNetwork]:
         The project is invalid.
     """
     project = load_project(Path(project_file))
-    return project, make_network(project, make_surface(project))
+    network = make_network(project, make_surface(project))
+    plan_seams(project, network)  # notches beyond a curve's end
+    return project, network
 
 
 def _fit_all(

@@ -30,6 +30,7 @@ Floats = NDArray[np.float64]
 STROKES = {
     "cut": "#ff0000",
     "sew": "#0000ff",
+    "notch": "#ff00ff",
     "grain": "#00aa00",
     "sheet": "#888888",
     "test-square": "#888888",
@@ -114,6 +115,8 @@ def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) 
     group.matrix(*_plain(linear.T.ravel()), *_plain([placement.x_mm, sheet_width - placement.y_mm]))
     group.add(_path(drawing, "cut", piece.cut_line, *piece.holes))
     group.add(_path(drawing, "sew", piece.sew_line))
+    if piece.notches:
+        group.add(_lines(drawing, "notch", [line for notch in piece.notches for line in notch.lines]))
     if piece.grain is not None:
         group.add(_arrow(drawing, "grain", piece.grain))
     for label in [piece.label, *(run.label for run in piece.seams if run.label)]:
@@ -151,6 +154,11 @@ def _text(drawing: svgwrite.Drawing, text: str, x: float, y: float, height: floa
 def _path(drawing: svgwrite.Drawing, kind: str, *outlines: Floats) -> Any:
     """One path of closed outlines."""
     return _stroked(drawing, kind, " ".join(f"M {_points(outline)} Z" for outline in outlines))
+
+
+def _lines(drawing: svgwrite.Drawing, kind: str, lines: Sequence[Floats]) -> Any:
+    """One path of open lines."""
+    return _stroked(drawing, kind, " ".join(f"M {_points(line)}" for line in lines))
 
 
 def _arrow(drawing: svgwrite.Drawing, kind: str, ends: Floats) -> Any:

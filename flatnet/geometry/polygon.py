@@ -18,6 +18,11 @@ def edge_vectors(polygon: Floats) -> Floats:
     return np.roll(polygon, -1, axis=0) - polygon
 
 
+def arclengths(points: Floats) -> Floats:
+    """Of every vertex of an open polyline, (k, d), from its first, (k,)."""
+    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
+
+
 def side_lengths(polygon: Floats) -> Floats:
     """Length of every edge of a closed polygon, (n,)."""
     return np.linalg.norm(edge_vectors(polygon), axis=1)

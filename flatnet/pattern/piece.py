@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -14,9 +14,10 @@ from shapely import Polygon
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import side_lengths
-from flatnet.network.patch import Patch
-from flatnet.pattern.allowance import TOUCH, Corner, cut_line
+from flatnet.network.patch import Patch, Stretch
+from flatnet.pattern.allowance import TOUCH, Corner, CutLine, cut_line
 from flatnet.pattern.labels import Label, grain_line, name_label, seam_label
+from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
 from flatnet.project.model import Ends, Material
 
@@ -53,6 +54,7 @@ class Piece:
     cut_line : (k, 2) float; the sew line and its allowances.
     holes : (k, 2) float each, clockwise; cut out inside it: what a patch that closes on itself goes round.
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
+    notches : marks in the allowance, from the cut line inwards.
     label : name, copies and material, well inside the piece.
     cut, mirrored : how many plain and how many mirrored copies are cut.
     material : name of the material.
@@ -64,6 +66,7 @@ class Piece:
     cut_line: Floats
     holes: tuple[Floats, ...]
     seams: tuple[SeamRun, ...]
+    notches: tuple[Notch, ...]
     grain: Floats | None
     label: Label
     cut: int
@@ -141,18 +144,23 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
         runs.append(SeamRun(stretch.seam, along[::-1].copy() if stretch.reversed else along, seam))
     widths, corners = _allowances(patch, material, seams or {})
     cut = cut_line(sew_line, inside, widths, corners)
+    notches = _notches(patch, sew_line, widths, cut, seams or {})
     return Piece(
         name=patch.name,
         sew_line=sew_line,
         cut_line=cut.outline,
         holes=cut.holes,
         seams=tuple(runs),
+        notches=notches,
         grain=grain_line(free) if fitted.has_grain else None,
         label=label,
         cut=patch.cut,
         mirrored=patch.mirrored,
         material=material.name,
-        warnings=tuple(_crowded(patch, widths, first, count) for first, count in cut.crowded),
+        warnings=(
+            *(_crowded(patch, widths, first, count) for first, count in cut.crowded),
+            *_deep_notches(patch, notches),
+        ),
     )
 
 
@@ -180,6 +188,51 @@ def _allowances(patch: Patch, material: Material, seams: Mapping[str, Seam]) -> 
         second_wins = second.spec.ends != Ends() and (b > a or first.spec.ends == Ends())
         corners[after.first] = Corner(second.spec.ends, "after") if second_wins else Corner(first.spec.ends)
     return widths, corners
+
+
+def _notches(
+    patch: Patch, sew_line: Floats, widths: Floats, cut: CutLine, seams: Mapping[str, Seam]
+) -> tuple[Notch, ...]:
+    """The notches of every seam, and those at nodes where the outline runs straight on along one curve."""
+    rings = shapely.MultiLineString([[*ring, ring[0]] for ring in (cut.outline, *cut.holes)])
+    stretches = patch.boundary.stretches
+    found = []
+    for before, stretch in zip((stretches[-1], *stretches[:-1]), stretches, strict=True):
+        seam, last = seams.get(stretch.seam), seams.get(before.seam)
+        if seam is None or seam.spec.notches is None:
+            continue
+        spec = seam.spec.notches
+        notches = [_on_boundary(stretch, notch) for notch in seam.notches]
+        if spec.nodes and len(stretches) > 1 and last is not None and last.curve == seam.curve:
+            notches.append((stretch.first, 0.0, 1))
+        for edge, fraction, marks in notches:
+            ends = sew_line[[edge, (edge + 1) % len(sew_line)]]
+            found.append(notch_on_piece(seam.name, spec, ends, fraction, marks, float(widths[edge]), rings))
+    return tuple(found)
+
+
+def _on_boundary(stretch: Stretch, notch: SeamNotch) -> tuple[int, float, int]:
+    """A notch's boundary edge and place on it, in the direction of the boundary, and its marks."""
+    if stretch.reversed:
+        return stretch.first + stretch.count - 1 - notch.edge, 1.0 - notch.fraction, notch.marks
+    return stretch.first + notch.edge, notch.fraction, notch.marks
+
+
+def _deep_notches(patch: Patch, notches: Sequence[Notch]) -> Iterator[Finding]:
+    """One warning for every seam whose notches reach across the sew line."""
+    for seam in dict.fromkeys(notch.seam for notch in notches):
+        over = [n.depth - float(np.linalg.norm(n.foot - n.position)) for n in notches if n.seam == seam]
+        if max(over) > TOUCH:
+            yield Finding(
+                code="deep_notch",
+                stage="pattern",
+                patch=patch.name,
+                where=f"'{seam}'",
+                amount=max(over),
+                unit="mm",
+                message=f"notches of '{seam}' reach {max(over):.1f} mm across the sew line into the piece.",
+                remedy="Give its curve a larger `allowance` or its `notches` a smaller `depth`.",
+            )
 
 
 def _crowded(patch: Patch, widths: Floats, first: int, count: int) -> Finding:

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
 
-from flatnet.network.network import CurveNetwork
-from flatnet.project.model import Project, SeamSpec
+from flatnet.network.network import CurveNetwork, SampledStretch
+from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
+from flatnet.project.model import Problem, Project, ProjectError, SeamSpec
 
 
 @dataclass(frozen=True, eq=False)
@@ -14,23 +16,54 @@ class Seam:
 
     Attributes
     ----------
-    number : seams count from 1, in the order of the project; printed where the name is too long.
+    number : seams count from 1, in the order of the project; printed on both sides.
     curve : the curve that it is a stretch of.
     spec : how pieces are cut along it.
+    notches : in the order of their arclength.
     """
 
     name: str
     number: int
     curve: str
     spec: SeamSpec
+    notches: tuple[SeamNotch, ...] = ()
 
 
 def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
-    """The seams of a project by name, in its order."""
+    """The seams of a project by name, in its order.
+
+    Raises
+    ------
+    ProjectError
+        A notch lies beyond the end of its curve.
+    """
     used = {stretch.seam for patch in network.patches for stretch in patch.boundary.stretches}
-    names = [name for name in network.stretches if name in used]
-    seams = {}
-    for number, name in enumerate(names, start=1):
-        curve = network.stretches[name].curve
-        seams[name] = Seam(name, number, curve, project.curves[curve].seam)
-    return seams
+    stretches = {name: stretch for name, stretch in network.stretches.items() if name in used}
+    marked = _notched(project, network.stretches)
+    telling = dict(zip(stretches, tell_apart([marked[name] for name in stretches]), strict=True))
+    return {
+        name: Seam(name, number, stretch.curve, project.curves[stretch.curve].seam, telling[name].notches)
+        for number, (name, stretch) in enumerate(stretches.items(), start=1)
+    }
+
+
+def _notched(project: Project, stretches: Mapping[str, SampledStretch]) -> dict[str, NotchedSeam]:
+    """The notches of every stretch, curve by curve."""
+    found: dict[str, NotchedSeam] = {}
+    problems = []
+    for curve in project.curves.values():
+        spec = curve.seam.notches
+        parts = [stretch for stretch in stretches.values() if stretch.curve == curve.name]
+        total = sum(stretch.length for stretch in parts)
+        start = 0.0
+        for stretch in parts:
+            notches = place_notches(spec, stretch, start, total) if spec else ()
+            found[stretch.name] = NotchedSeam(stretch.length, notches, spec is not None and spec.marks is not None)
+            start += stretch.length
+        for place in spec.at if spec else ():
+            if place > total:
+                message = f"curve {curve.name!r}: notches: {place:g} mm is beyond its end, it is {total:.1f} mm long"
+                problems.append(Problem(curve.mark, message))
+    if problems:
+        raise ProjectError(project.file, problems)
+    return found

@@ -136,6 +136,28 @@ class Ends:
 
 
 @dataclass(frozen=True)
+class NotchSpec:
+    """Notches of a curve, cut into the allowances of the pieces on both sides.
+
+    Attributes
+    ----------
+    every : distance from the start of each stretch, again and again, mm; None: no such row.
+    at, at_parts : single places along the whole curve, mm and parts of its length.
+    nodes : at the nodes that the curve passes, on pieces whose outline runs straight on there.
+    marks : how many side by side at each; None: as many as tell seams apart that are alike.
+    depth : from the cut line, mm.
+    """
+
+    every: float | None = None
+    at: tuple[float, ...] = ()
+    at_parts: tuple[float, ...] = ()
+    nodes: bool = False
+    kind: Literal["slit", "T", "V", "castle"] = "slit"
+    marks: int | None = None
+    depth: float = 4.0
+
+
+@dataclass(frozen=True)
 class SeamSpec:
     """How the pieces along a curve are cut.
 
@@ -143,11 +165,13 @@ class SeamSpec:
     ----------
     left, right : allowance of the piece on that side of the curve's direction, mm; None: as its patch says.
     ends : how the allowances end at corners.
+    notches : None: no notches.
     """
 
     left: float | None = None
     right: float | None = None
     ends: Ends = Ends()
+    notches: NotchSpec | None = None
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,6 +10,7 @@ from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.nesting.layout import Layout
 from flatnet.network.network import CurveNetwork
+from flatnet.pattern.seams import Seam
 from flatnet.report.metrics import metrics
 from flatnet.report.seams import seam_records
 from flatnet.version import VERSION
@@ -18,6 +19,7 @@ from flatnet.version import VERSION
 def make_report(
     project: str,
     network: CurveNetwork,
+    seams: Mapping[str, Seam],
     surface: ReferenceSurface | None,
     results: Sequence[FittedPatch | FailedPatch],
     layouts: Mapping[str, Layout],
@@ -45,7 +47,7 @@ def make_report(
         "project": project,
         "status": status([record["status"] == "ok" for record in patches], bool(layouts)),
         "patches": patches,
-        "seams": seam_records(network, fitted),
+        "seams": seam_records(network, seams, fitted),
         "layouts": [_layout_record(file, layout) for file, layout in layouts.items()],
         "findings": [finding.as_dict() for finding in findings],
         "openings": {name: [list(loop) for loop in loops] for name, loops in network.openings.items()},

@@ -17,6 +17,7 @@ from flatnet.project import (
     Mark,
     Material,
     MeshSurface,
+    NotchSpec,
     Problem,
     Project,
     ProjectError,
@@ -78,7 +79,9 @@ def test_curves(tmp_path: Path) -> None:
     top = curves["top"]
     assert (top.start, top.points[1], top.end, top.closed) == ("007", "d-e.f", "on", False)
     assert curves["dart"].slit
-    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"))
+    notches = NotchSpec(60.0, (1.0,), (0.25, 0.5), True, "castle", 2, 3.0)
+    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"), notches)
+    assert curves["dart"].seam == SeamSpec(notches=NotchSpec(every=50.0))
     assert curves["side"].seam == SeamSpec(None, 0.0, Ends("mitre", 25.0))
     assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None))
     assert (curves["hole"].closed, curves["hole"].start) == (True, None)
@@ -233,6 +236,12 @@ BAD = [
     ("ab: {from: a, to: b", "ab: {from: a, to: b, allowance: {lft: 1}", 6, 36, "did you mean 'left'?"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, ends: miter", 6, 30, "did you mean 'mitre'?"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, ends: 0", 6, 30, "must be greater than 0, got 0"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: 0", 6, 33, "must be greater than 0, got 0"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {at: [101%]}", 6, 39, "at most 100%, got '101%'"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {at: [-5]}", 6, 39, "must not be less than 0, got -5"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {at: 5}", 6, 38, "a list of lengths and percentages"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {marks: 4}", 6, 41, "must be in [1, 3], got 4"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {kind: t}", 6, 40, "expected 'slit' or 'T'"),
     ("a, to: b, normals: [0, 0, 1]", "a, to: b", 6, 3, "has no normals, but patch 'p' needs them"),
     ("b, normals: [0, 0, 1]", "b, normals: surface", 6, 33, "normals: surface, but the file has no surface"),
     ("b, normals: [0, 0, 1]", "b, normals: [0, 0, 0]", 6, 33, "a direction must not be [0, 0, 0]"),
@@ -382,12 +391,12 @@ def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
 
 
 def test_the_docs_name_every_key_and_parameter() -> None:
-    from flatnet.project import curves, faces, loader
+    from flatnet.project import curves, faces, loader, sewing
 
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
-        *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS,
+        *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *sewing._NOTCH_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters):
