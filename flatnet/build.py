@@ -148,7 +148,7 @@ def _make_pieces(
         if isinstance(result, FittedPatch):
             name = result.patch.name
             try:
-                piece = make_piece(result, project.materials[result.patch.material], seams)
+                piece = make_piece(result, project.materials[result.patch.material], seams, project.title)
                 pieces.append(piece)
                 result = replace(result, warnings=result.warnings + piece.warnings)
             except PatchFailure as failure:
@@ -210,5 +210,5 @@ def _write(
     for file, layout in layouts.items():
         wanted = [spec.name for spec in project.patches.values() if spec.material == layout.material.name]
         laid = {p.piece.name for other in layouts.values() for p in other.placements}
-        write_layout(folder / file, layout, project.name, [name for name in wanted if name not in laid])
+        write_layout(folder / file, layout, project.title, [name for name in wanted if name not in laid])
     return files

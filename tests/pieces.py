@@ -6,7 +6,8 @@ import shapely
 from flatnet.fitting.results import FittedPatch, FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
 from flatnet.network.patch import BoundaryCurve, Patch, Stretch
 from flatnet.pattern import Piece, make_piece
-from flatnet.project.model import Material
+from flatnet.pattern.seams import Seam
+from flatnet.project.model import Material, SeamSpec
 
 #: The letter F, anticlockwise: it has no axis of symmetry, so that its mirror image is another figure.
 LETTER_F = np.array(
@@ -55,7 +56,14 @@ def cloth(**changes) -> Material:
 
 
 def piece(outline, material=None, **rest) -> Piece:
-    return make_piece(fitted(outline, **rest), material or cloth())
+    patch = fitted(outline, **rest)
+    return make_piece(patch, material or cloth(), seams_of(patch))
+
+
+def seams_of(patch: FittedPatch) -> dict[str, Seam]:
+    """Seams of which nothing is said, one per stretch."""
+    names = [stretch.seam for stretch in patch.patch.boundary.stretches]
+    return {name: Seam(name, i, name, SeamSpec(), (patch.patch.name,), 1.0) for i, name in enumerate(names, 1)}
 
 
 def blob(seed: int, length: float = 900.0, width: float = 320.0, n: int = 60):

@@ -21,7 +21,7 @@ from svgwrite.container import Group
 from svgwrite.extensions import Inkscape
 
 from flatnet.nesting.layout import Layout, Placement, turn
-from flatnet.pattern.labels import LETTER_WIDTH, LINE_PITCH, Label
+from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head, text_width
 from flatnet.pattern.piece import Piece
 
 Floats = NDArray[np.float64]
@@ -40,11 +40,12 @@ TEST_SQUARE = 50.0  # mm
 MARGIN = 10.0  # mm around the test square and the title below the sheet
 TITLE_HEIGHT = 6.0  # mm, on a small page
 TITLE_PART = 0.01  # the title's height as a part of a long page's length, to be read when all of it is seen
+TABLE_HEIGHT = 4.0  # mm, of the text in the table of seams
 TITLE_LETTERS = 90  # in a line of the title
 
 
 def write_layout(path: Path, layout: Layout, project: str, missing: Sequence[str] = ()) -> None:
-    """Draw one sheet: its pieces, and below it a 50 mm test square and the title.
+    """Draw one sheet: its pieces, and below it a 50 mm test square, the title and what the seams' numbers mean.
 
     Parameters
     ----------
@@ -63,23 +64,28 @@ def write_layout(path: Path, layout: Layout, project: str, missing: Sequence[str
 
 
 def write_piece(path: Path, piece: Piece) -> None:
-    """Draw one piece alone, in its own orientation, with a 50 mm test square."""
+    """Draw one piece alone, in its own orientation, with a 50 mm test square and its seams."""
     corner, size = piece.cut_line.min(axis=0), np.ptp(piece.cut_line, axis=0)
     x, y = MARGIN - corner
-    title = [" · ".join(piece.label.lines)]
+    title = [" · ".join(piece.description)]
     _write_page(path, size + 2.0 * MARGIN, [Placement(piece, 1, False, 0.0, x, y)], title, sheet=False)
 
 
 def _write_page(
     path: Path, size: Floats, placements: Sequence[Placement], title: Sequence[str], sheet: bool
 ) -> None:
-    """A page with the sheet at its top left corner and the test square and title below it."""
+    """A page with the sheet at its top left corner, below it the test square, the title and the table of seams."""
     lines = [part for line in title for part in textwrap.wrap(line, TITLE_LETTERS)]
     letter = min(max(TITLE_HEIGHT, TITLE_PART * size[0]), 4.0 * TITLE_HEIGHT)
-    text_width = LETTER_WIDTH * letter * max(map(len, lines))
-    text_height = LINE_PITCH * letter * len(lines)
-    width = _rounded(max(size[0], TEST_SQUARE + text_width + 3.0 * MARGIN))
-    height = _rounded(size[1] + max(TEST_SQUARE, text_height) + 2.0 * MARGIN)
+    rows = _seam_table(placements)
+    column = TABLE_HEIGHT * max(map(text_width, rows)) + MARGIN
+    title_width = letter * max(map(text_width, lines))
+    width = _rounded(max(size[0], TEST_SQUARE + title_width + 3.0 * MARGIN, column + MARGIN))
+    columns = int((width - MARGIN) / column)
+    top = size[1] + MARGIN
+    table_top = top + max(TEST_SQUARE, LINE_PITCH * letter * len(lines)) + MARGIN
+    deep = -(-len(rows) // columns)
+    height = _rounded(table_top + LINE_PITCH * TABLE_HEIGHT * deep + MARGIN)
     drawing = svgwrite.Drawing(
         str(path), size=(f"{width}mm", f"{height}mm"), viewBox=f"0 0 {width} {height}", debug=False
     )
@@ -89,7 +95,6 @@ def _write_page(
 
     if sheet:
         page.add(_path(drawing, "sheet", np.array([[0, 0], [size[0], 0], size, [0, size[1]]])))
-    top = size[1] + MARGIN
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * TEST_SQUARE + (MARGIN, top)
     page.add(_path(drawing, "test-square", square))
     centre = square.mean(axis=0)
@@ -97,9 +102,21 @@ def _write_page(
     for number, line in enumerate(lines):
         base = top + letter * (1.0 + LINE_PITCH * number)
         page.add(_text(drawing, line, TEST_SQUARE + 2.0 * MARGIN, base, letter, "start"))
+    for number, row in enumerate(rows):
+        base = table_top + TABLE_HEIGHT * (1.0 + LINE_PITCH * (number % deep))
+        page.add(_text(drawing, row, MARGIN + column * (number // deep), base, TABLE_HEIGHT, "start"))
     for placement in placements:
         pieces.add(_piece(drawing, placement, size[1]))
     drawing.save(pretty=True)
+
+
+def _seam_table(placements: Sequence[Placement]) -> list[str]:
+    """A line for every seam of the pieces: what its number on them stands for, and what it joins."""
+    seams = {run.seam.name: run.seam for placement in placements for run in placement.piece.seams}
+    return [
+        f"{seam.number} {seam.name} · {seam.length:.1f} mm · {' + '.join(seam.patches)}"
+        for seam in sorted(seams.values(), key=lambda seam: seam.number)
+    ]
 
 
 def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) -> Group:
@@ -161,14 +178,8 @@ def _lines(drawing: svgwrite.Drawing, kind: str, lines: Sequence[Floats]) -> Any
     return _stroked(drawing, kind, " ".join(f"M {_points(line)}" for line in lines))
 
 
-def _arrow(drawing: svgwrite.Drawing, kind: str, ends: Floats) -> Any:
-    tail, head = ends
-    along = (head - tail) / np.linalg.norm(head - tail)
-    size = min(6.0, 0.2 * float(np.linalg.norm(head - tail)))
-    back = head - size * along
-    across = 0.4 * size * np.array([-along[1], along[0]])
-    barbs = np.array([back + across, head, back - across])
-    return _stroked(drawing, kind, f"M {_points(ends)} M {_points(barbs)}")
+def _arrow(drawing: svgwrite.Drawing, kind: str, line: Floats) -> Any:
+    return _lines(drawing, kind, [line, arrow_head(line)])
 
 
 def _stroked(drawing: svgwrite.Drawing, kind: str, commands: str) -> Any:

@@ -16,7 +16,7 @@ from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import side_lengths
 from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.allowance import TOUCH, Corner, CutLine, cut_line
-from flatnet.pattern.labels import Label, grain_line, name_label, seam_label
+from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
 from flatnet.project.model import Ends, Material
@@ -33,10 +33,10 @@ class SeamRun:
     ----------
     vertices : (k,) int; the sew line's vertices along the seam, in the seam's own direction, so that both
         pieces of a seam count from the same end.
-    label : the seam's name inside the piece; None where it fits nowhere.
+    label : the seam's number, and name where it has room, inside the piece; None where it fits nowhere.
     """
 
-    seam: str
+    seam: Seam
     vertices: Ints
     label: Label | None
 
@@ -55,9 +55,10 @@ class Piece:
     holes : (k, 2) float each, clockwise; cut out inside it: what a patch that closes on itself goes round.
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
     notches : marks in the allowance, from the cut line inwards.
-    label : name, copies and material, well inside the piece.
+    label : name, copies, material and what it belongs to, well inside the piece.
     cut, mirrored : how many plain and how many mirrored copies are cut.
     material : name of the material.
+    project : what it belongs to, with its size.
     warnings : what whoever cuts it has to know.
     """
 
@@ -72,6 +73,7 @@ class Piece:
     cut: int
     mirrored: int
     material: str
+    project: str = ""
     warnings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
@@ -82,6 +84,11 @@ class Piece:
     def region(self) -> Polygon:
         """What is inside the cut line and outside its holes."""
         return Polygon(self.cut_line, self.holes) if self.holes else region_of(self.cut_line)
+
+    @property
+    def description(self) -> tuple[str, ...]:
+        """What has to be said of it: name, copies, material, project."""
+        return (self.name, *_words(self.cut, self.mirrored, self.material, self.project))
 
     @property
     def area(self) -> float:
@@ -112,12 +119,13 @@ def region_of(outline: Floats) -> Polygon:
     return Polygon(parts[0].exterior, [hole for hole in parts[0].interiors if Polygon(hole).area > slack])
 
 
-def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam] | None = None) -> Piece:
+def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam], project: str = "") -> Piece:
     """Draw the piece of a fitted patch.
 
     Parameters
     ----------
-    seams : what is decided for its seams, by name; a seam that is missing has the allowance of the patch.
+    seams : what is decided for each of its seams, by name.
+    project : what it belongs to, for its label.
 
     Raises
     ------
@@ -133,18 +141,20 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
             "Divide the patch by another curve through the place where it overlaps.", patch=patch.name,
         ) from error
 
-    label = name_label(_text(patch.name, patch.cut, patch.mirrored, material.name), inside)
-    free = inside.difference(label.box)
+    widths, corners = _allowances(patch, material, seams)
+    cut = cut_line(sew_line, inside, widths, corners)
+    notches = _notches(patch, sew_line, widths, cut, seams)
+    free = room_for_text(inside, [line for notch in notches for line in notch.lines])
+    label = name_label(patch.name, _words(patch.cut, patch.mirrored, material.name, project), free)
+    free = free.difference(label.box)
     runs = []
     for stretch in patch.boundary.stretches:
         along = np.arange(stretch.first, stretch.first + stretch.count + 1) % len(sew_line)
-        seam = seam_label(stretch.seam, sew_line[along], free)
-        if seam:
-            free = free.difference(seam.box)
-        runs.append(SeamRun(stretch.seam, along[::-1].copy() if stretch.reversed else along, seam))
-    widths, corners = _allowances(patch, material, seams or {})
-    cut = cut_line(sew_line, inside, widths, corners)
-    notches = _notches(patch, sew_line, widths, cut, seams or {})
+        seam = seams[stretch.seam]
+        words = seam_label(seam.number, seam.name, sew_line[along], free)
+        if words:
+            free = free.difference(words.box)
+        runs.append(SeamRun(seam, along[::-1].copy() if stretch.reversed else along, words))
     return Piece(
         name=patch.name,
         sew_line=sew_line,
@@ -157,6 +167,7 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
         cut=patch.cut,
         mirrored=patch.mirrored,
         material=material.name,
+        project=project,
         warnings=(
             *(_crowded(patch, widths, first, count) for first, count in cut.crowded),
             *_deep_notches(patch, notches),
@@ -174,15 +185,13 @@ def _allowances(patch: Patch, material: Material, seams: Mapping[str, Seam]) -> 
     usual = material.allowance if patch.allowance is None else patch.allowance
     widths = np.full(len(patch.boundary.vertices), usual)
     for stretch in stretches:
-        seam = seams.get(stretch.seam)
-        if seam is None:
-            continue
-        said = seam.spec.right if stretch.reversed else seam.spec.left
+        spec = seams[stretch.seam].spec
+        said = spec.right if stretch.reversed else spec.left
         widths[stretch.first : stretch.first + stretch.count] = usual if said is None else said
     corners = {}
     for before, after in zip((stretches[-1], *stretches[:-1]), stretches, strict=True):
-        first, second = seams.get(before.seam), seams.get(after.seam)
-        if first is None or second is None or first.curve == second.curve:
+        first, second = seams[before.seam], seams[after.seam]
+        if first.curve == second.curve:
             continue
         a, b = widths[after.first - 1], widths[after.first]
         second_wins = second.spec.ends != Ends() and (b > a or first.spec.ends == Ends())
@@ -198,12 +207,12 @@ def _notches(
     stretches = patch.boundary.stretches
     found = []
     for before, stretch in zip((stretches[-1], *stretches[:-1]), stretches, strict=True):
-        seam, last = seams.get(stretch.seam), seams.get(before.seam)
-        if seam is None or seam.spec.notches is None:
+        seam = seams[stretch.seam]
+        if seam.spec.notches is None:
             continue
         spec = seam.spec.notches
         notches = [_on_boundary(stretch, notch) for notch in seam.notches]
-        if spec.nodes and len(stretches) > 1 and last is not None and last.curve == seam.curve:
+        if spec.nodes and len(stretches) > 1 and seams[before.seam].curve == seam.curve:
             notches.append((stretch.first, 0.0, 1))
         for edge, fraction, marks in notches:
             ends = sew_line[[edge, (edge + 1) % len(sew_line)]]
@@ -253,6 +262,6 @@ def _crowded(patch: Patch, widths: Floats, first: int, count: int) -> Finding:
     )
 
 
-def _text(name: str, cut: int, mirrored: int, material: str) -> tuple[str, ...]:
+def _words(cut: int, mirrored: int, material: str, project: str) -> tuple[str, ...]:
     copies = f"cut {cut}" + (f" + {mirrored} mirrored" if mirrored else "")
-    return (name, copies, material)
+    return (copies, material, *([project] if project else []))

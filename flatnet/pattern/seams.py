@@ -19,6 +19,8 @@ class Seam:
     number : seams count from 1, in the order of the project; printed on both sides.
     curve : the curve that it is a stretch of.
     spec : how pieces are cut along it.
+    patches : the one or two patches along it.
+    length : mm.
     notches : in the order of their arclength.
     """
 
@@ -26,6 +28,8 @@ class Seam:
     number: int
     curve: str
     spec: SeamSpec
+    patches: tuple[str, ...]
+    length: float
     notches: tuple[SeamNotch, ...] = ()
 
 
@@ -37,12 +41,23 @@ def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
     ProjectError
         A notch lies beyond the end of its curve.
     """
-    used = {stretch.seam for patch in network.patches for stretch in patch.boundary.stretches}
-    stretches = {name: stretch for name, stretch in network.stretches.items() if name in used}
+    patches: dict[str, list[str]] = {name: [] for name in network.stretches}
+    for patch in network.patches:
+        for along in patch.boundary.stretches:
+            patches[along.seam].append(patch.name)
+    stretches = {name: stretch for name, stretch in network.stretches.items() if patches[name]}
     marked = _notched(project, network.stretches)
     telling = dict(zip(stretches, tell_apart([marked[name] for name in stretches]), strict=True))
     return {
-        name: Seam(name, number, stretch.curve, project.curves[stretch.curve].seam, telling[name].notches)
+        name: Seam(
+            name=name,
+            number=number,
+            curve=stretch.curve,
+            spec=project.curves[stretch.curve].seam,
+            patches=tuple(patches[name]),
+            length=stretch.length,
+            notches=telling[name].notches,
+        )
         for number, (name, stretch) in enumerate(stretches.items(), start=1)
     }
 

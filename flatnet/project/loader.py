@@ -34,6 +34,7 @@ _FORMAT = 1
 _TOP_KEYS = (
     "flatnet",
     "name",
+    "size",
     "units",
     "edge_length",
     "chord_tolerance",
@@ -111,6 +112,7 @@ def _project(file: Path, top: Section) -> Project:
         openings=openings,
         rest_is_open=rest_is_open,
         materials=materials,
+        size=top.get("size", title, ""),
         nesting=read_parameters(top.section("nesting", parameter_names(NestingParameters)), NestingParameters()),
     )
 

@@ -288,4 +288,10 @@ class Project:
     openings: Mapping[str, OpeningSpec]
     rest_is_open: bool
     materials: Mapping[str, Material]
+    size: str = ""
     nesting: NestingParameters = field(default_factory=NestingParameters)
+
+    @property
+    def title(self) -> str:
+        """Name and size, as printed on pieces and layouts."""
+        return f"{self.name} · {self.size}" if self.size else self.name

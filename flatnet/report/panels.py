@@ -6,7 +6,6 @@ plain polygons: matplotlib's 3D axes would sort every collection by itself.
 
 from __future__ import annotations
 
-import textwrap
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from flatnet.export.drawn_layout import DrawnPiece
 from flatnet.export.svg import STROKES
 from flatnet.geometry.triangles import edges_of
-from flatnet.pattern.labels import Label, name_label
+from flatnet.pattern.labels import Label, fitting_label, line_breaks
 from flatnet.report.build_files import BuildFiles, BuiltPatch
 from flatnet.report.view import FROM_THE_FRONT, Camera, Surface, cameras
 
@@ -213,7 +212,10 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
             name = _name(piece, scale)
             x, y = name.position / scale
             text = "\n".join(name.lines)
-            axes.text(x, y, text, fontsize=name.height, ha="center", va="center", path_effects=halo)
+            angle = 0.0 if name.direction[0] else 90.0
+            axes.text(
+                x, y, text, fontsize=name.height, ha="center", va="center", rotation=angle, path_effects=halo
+            )
 
     return Panel(caption, np.zeros(2), np.array([length, width]), paint, y_down=True)
 
@@ -223,27 +225,11 @@ def _flat_edges(piece: DrawnPiece, patch: BuiltPatch) -> Floats:
 
 
 def _name(piece: DrawnPiece, scale: float) -> Label:
-    """The patch's name broken at `_`, as large as it fits beside the grain arrow; lengths in points."""
-    words = f"{piece.patch.replace('_', '_ ')}{' (mirrored)' * piece.mirrored}"
-    widths = range(len(words), max(map(len, words.split())) - 1, -1)
-    broken = dict.fromkeys(tuple(textwrap.wrap(words, width, break_on_hyphens=False)) for width in widths)
-    texts = [tuple(line.replace("_ ", "_") for line in lines) for lines in broken]
+    """The patch's name as large as it fits beside the grain arrow; lengths in points."""
     inside = shapely.Polygon(piece.lines["sew"][0] * scale)
     grain = shapely.MultiLineString([line * scale for line in piece.lines.get("grain", [])])
-    free = inside.difference(grain.buffer(1.5))
-    shapely.prepare(free)
-    centre = shapely.get_coordinates(inside.centroid)[0]
-    left, bottom, right, top = inside.bounds
-    grid = np.meshgrid(np.linspace(left, right, 11), np.linspace(bottom, top, 11))
-    places = np.vstack([centre, np.stack(grid, axis=-1).reshape(-1, 2)])
-    places = places[np.argsort(np.linalg.norm(places - centre, axis=1), kind="stable")]
-    for size in NAME_SIZES:
-        for lines in texts:
-            half = np.array(Label(lines, np.zeros(2), np.array([1.0, 0.0]), size).box.bounds[2:])
-            fits = shapely.covers(free, shapely.box(*(places - half).T, *(places + half).T))
-            if fits.any():
-                return Label(lines, places[np.argmax(fits)], np.array([1.0, 0.0]), size)
-    return max((name_label(lines, free) for lines in texts), key=lambda label: label.height)
+    texts = line_breaks(f"{piece.patch}{' (mirrored)' * piece.mirrored}")
+    return fitting_label(texts, inside.difference(grain.buffer(1.5)), NAME_SIZES)
 
 
 def _box(points: Floats) -> tuple[Floats, Floats]:

@@ -5,14 +5,13 @@ import json
 import numpy as np
 import pytest
 import shapely
-from pieces import LETTER_F, SQUARE, blob, cloth, fitted, piece
+from pieces import LETTER_F, SQUARE, blob, cloth, piece
 
 from flatnet.nesting import Layout, Placement, check_layouts, nest, read_stored, write_stored
 from flatnet.nesting.layout import copies_of, turn
 from flatnet.nesting.roll import EngineError, _run, nest_on_roll
 from flatnet.nesting.rows import lay_in_rows
 from flatnet.parameters import NestingParameters
-from flatnet.pattern import make_piece
 
 QUICK = NestingParameters(seconds=1)
 
@@ -180,7 +179,7 @@ class TestStored:
 
     @property
     def pieces(self):
-        return [make_piece(fitted(LETTER_F, name="F", cut=2, mirrored=2), self.material)]
+        return [piece(LETTER_F, self.material, name="F", cut=2, mirrored=2)]
 
     @pytest.fixture
     def file(self, tmp_path, nested):

@@ -85,18 +85,18 @@ def test_a_notch_stands_on_the_cut_line_over_its_place_on_the_sew_line(seed):
     for number, stretch in enumerate(stretches, 1):
         said[stretch.seam] = [SeamNotch(int(e), f, 0.0, 2) for e, f in zip([2, 7, 12], random.uniform(0.1, 0.9, 3))]
         spec = SeamSpec(5.0 * number, 5.0 * number, notches=NotchSpec(depth=4.0))
-        seams[stretch.seam] = Seam(stretch.seam, number, stretch.seam, spec, tuple(said[stretch.seam]))
+        seams[stretch.seam] = Seam(stretch.seam, number, stretch.seam, spec, ("piece",), 1.0, tuple(said[stretch.seam]))
     made = make_piece(fitted(outline, stretches=stretches), cloth(), seams)
     cut = shapely.LinearRing(made.cut_line)
     assert len(made.notches) == 12
     for run in made.seams:
         along = outline[run.vertices]
-        wanted = [along[n.edge] + n.fraction * (along[n.edge + 1] - along[n.edge]) for n in said[run.seam]]
-        found = [notch for notch in made.notches if notch.seam == run.seam]
+        wanted = [along[n.edge] + n.fraction * (along[n.edge + 1] - along[n.edge]) for n in said[run.seam.name]]
+        found = [notch for notch in made.notches if notch.seam == run.seam.name]
         order = [int(np.argmin([np.linalg.norm(n.position - place) for n in found])) for place in wanted]
         assert sorted(order) == [0, 1, 2]
         for place, k in zip(wanted, order):
-            notch, width = found[k], seams[run.seam].spec.left
+            notch, width = found[k], run.seam.spec.left
             assert np.linalg.norm(notch.position - place) <= 1e-9
             assert cut.distance(shapely.Point(notch.foot)) <= 1e-9
             assert notch.foot - notch.position == pytest.approx(-width * notch.inward, abs=1e-9)
@@ -107,7 +107,8 @@ def test_a_notch_stands_on_the_cut_line_over_its_place_on_the_sew_line(seed):
 
 def square(depth=4.0, kind="slit", stretches=None, nodes=False):
     spec = SeamSpec(3.0, 3.0, notches=NotchSpec(kind=kind, depth=depth, nodes=nodes))
-    seams = {f"seam_{i}": Seam(f"seam_{i}", i + 1, "rim", spec, (SeamNotch(0, 0.25, 25.0),)) for i in range(4)}
+    notches = (SeamNotch(0, 0.25, 25.0),)
+    seams = {f"seam_{i}": Seam(f"seam_{i}", i + 1, "rim", spec, ("piece",), 100.0, notches) for i in range(4)}
     return make_piece(fitted(SQUARE, stretches=stretches), cloth(), seams)
 
 

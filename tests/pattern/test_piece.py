@@ -21,8 +21,7 @@ def middles(outline):
 
 
 def test_the_sew_line_is_the_flat_outline_untouched():
-    patch = fitted(LETTER_F)
-    assert np.array_equal(make_piece(patch, cloth(allowance=10.0)).sew_line, patch.outline)
+    assert np.array_equal(piece(LETTER_F, cloth(allowance=10.0)).sew_line, fitted(LETTER_F).outline)
 
 
 @pytest.mark.parametrize("allowance", [1.0, 7.5, 9.9])
@@ -55,7 +54,7 @@ def test_on_curves_the_cut_line_keeps_its_distance(seed):
 
 
 def seam(number, **spec):
-    return Seam(f"seam_{number}", number + 1, f"curve_{number}", SeamSpec(**spec))
+    return Seam(f"seam_{number}", number + 1, f"curve_{number}", SeamSpec(**spec), ("piece",), 100.0)
 
 
 def test_the_more_special_allowance_wins():

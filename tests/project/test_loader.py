@@ -47,7 +47,7 @@ def problems_of(folder: Path, text: str | bytes) -> list[Problem]:
 
 def test_every_key_is_read(tmp_path: Path) -> None:
     project = load(tmp_path, GOOD)
-    assert (project.name, project.edge_length, project.chord_tolerance) == ("every key", 8.0, 0.1)
+    assert (project.title, project.edge_length, project.chord_tolerance) == ("every key · 38", 8.0, 0.1)
     assert project.rest_is_open
     assert project.nesting == NestingParameters(seconds=3, seed=7)
     surface = project.surface
@@ -86,7 +86,7 @@ def test_curves(tmp_path: Path) -> None:
     assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None))
     assert (curves["hole"].closed, curves["hole"].start) == (True, None)
     assert (curves["ring"].closed, curves["ring"].start, curves["ring"].end) == (True, "tip", "tip")
-    assert curves["hem"].mark == Mark(14, 3)
+    assert curves["hem"].mark == Mark(15, 3)
 
 
 def test_normals_are_unit_and_counted(tmp_path: Path) -> None:
