@@ -4,7 +4,7 @@ import numpy as np
 import shapely
 
 from flatnet.fitting.results import FittedPatch, FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
-from flatnet.network.patch import BoundaryCurve, Patch, Stretch
+from flatnet.network.patch import BoundaryCurve, Grain, Patch, Stretch
 from flatnet.pattern import Piece, make_piece
 from flatnet.pattern.seams import Seam
 from flatnet.project.model import Material, SeamSpec
@@ -17,7 +17,7 @@ SQUARE = np.array([[0, 0], [100, 0], [100, 100], [0, 100]], float)
 
 
 def fitted(
-    outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stretches=None, allowance=None
+    outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stretches=None, allowance=None, said=True
 ) -> FittedPatch:
     """A fitted patch in the plane z = 0 whose flat outline is `outline`, one seam per edge."""
     outline = np.array(outline, float)
@@ -26,7 +26,7 @@ def fitted(
     if stretches is None:
         stretches = tuple(Stretch(f"seam_{i}", i, 1, False) for i in range(n))
     boundary = BoundaryCurve(space, np.tile([0.0, 0.0, 1.0], (n, 1)), stretches, np.zeros(n))
-    grain = None if grain is None else np.array(grain)
+    grain = None if grain is None else Grain(np.array(grain), said=said)
     patch = Patch(name, boundary, 8.0, "cloth", cut, mirrored, grain, allowance)
     triangles = _triangles(outline)
     return FittedPatch(

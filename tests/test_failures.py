@@ -147,8 +147,10 @@ def test_every_code_is_documented():
     assert [code for code in CODES if f"`{code}`" not in text] == []
 
 
-def test_a_level_patch_whose_grain_is_up_says_so_and_has_no_arrow(tmp_path):
-    (tmp_path / "project.yaml").write_text(yaml.safe_dump(project({}, {})))
+def test_a_level_patch_whose_grain_is_said_to_be_up_says_so_and_has_no_arrow(tmp_path):
+    level = project({}, {})
+    level["patches"]["good"]["grain"] = "up"
+    (tmp_path / "project.yaml").write_text(yaml.safe_dump(level))
     assert main(["build", str(tmp_path / "project.yaml"), "-o", str(tmp_path / "out")]) == 0
     (patch,) = read_report(tmp_path / "out")["patches"]
     assert [warning["code"] for warning in patch["warnings"]] == ["no_grain"]

@@ -135,7 +135,8 @@ def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) 
     if piece.notches:
         group.add(_lines(drawing, "notch", [line for notch in piece.notches for line in notch.lines]))
     if piece.grain is not None:
-        group.add(_arrow(drawing, "grain", piece.grain))
+        heads = [arrow_head(line) for line in ([piece.grain] if piece.one_way else [piece.grain, piece.grain[::-1]])]
+        group.add(_lines(drawing, "grain", [piece.grain, *heads]))
     for label in [piece.label, *(run.label for run in piece.seams if run.label)]:
         for text in _label(drawing, label, linear):
             group.add(text)
@@ -176,10 +177,6 @@ def _path(drawing: svgwrite.Drawing, kind: str, *outlines: Floats) -> Any:
 def _lines(drawing: svgwrite.Drawing, kind: str, lines: Sequence[Floats]) -> Any:
     """One path of open lines."""
     return _stroked(drawing, kind, " ".join(f"M {_points(line)}" for line in lines))
-
-
-def _arrow(drawing: svgwrite.Drawing, kind: str, line: Floats) -> Any:
-    return _lines(drawing, kind, [line, arrow_head(line)])
 
 
 def _stroked(drawing: svgwrite.Drawing, kind: str, commands: str) -> Any:

@@ -7,6 +7,7 @@ from collections.abc import Iterator
 from contextlib import contextmanager
 
 import numpy as np
+from numpy.typing import NDArray
 
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.levels import fit_in_levels
@@ -14,12 +15,14 @@ from flatnet.fitting.multi_loop import multi_loop
 from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import FittedPatch, FlattenableMesh
 from flatnet.fitting.tessellation import tessellate
-from flatnet.fitting.unfold import along_grain, unfold
+from flatnet.fitting.unfold import along_chord, along_grain, unfold
 from flatnet.fitting.warp import warp
 from flatnet.geometry.crossings import polygon_crossings
 from flatnet.geometry.triangles import angle_sums, hinge_angles, hinges_of
-from flatnet.network.patch import BoundaryCurve, Patch
+from flatnet.network.patch import BoundaryCurve, Grain, Patch
 from flatnet.parameters import FairParameters, FittingParameters
+
+Floats = NDArray[np.float64]
 
 #: A hinge sharper than this is a fold, rad.
 FOLD = np.radians(120.0)
@@ -57,10 +60,10 @@ def fit_patch(
     with _timed("unfold", seconds):
         flat = unfold(mesh)
         _check_outline(flat[: mesh.boundary_count], boundary)
-        laid = along_grain(flat, mesh, patch.grain) if patch.grain is not None else None
+        laid = _laid(flat, mesh, patch.grain)
     warnings = planar_boundary.warnings
     if patch.grain is not None and laid is None:
-        warnings += (_no_grain(patch),)
+        warnings += (_no_grain(patch.grain),)
     return FittedPatch(
         patch=patch,
         planar_boundary=planar_boundary,
@@ -74,13 +77,23 @@ def fit_patch(
     )
 
 
-def _no_grain(patch: Patch) -> Finding:
-    x, y, z = np.asarray(patch.grain)
+def _laid(flat: Floats, mesh: FlattenableMesh, grain: Grain | None) -> Floats | None:
+    """The flat mesh with its grain along +x; None where it has none."""
+    if grain is None:
+        return None
+    if grain.chord is not None:
+        return along_chord(flat, *grain.chord)
+    laid = along_grain(flat, mesh, np.asarray(grain.direction))
+    return flat if laid is None and not grain.said else laid
+
+
+def _no_grain(grain: Grain) -> Finding:
+    x, y, z = np.asarray(grain.direction)
     return Finding(
         code="no_grain",
         stage="unfold",
         message=f"its grain direction ({x:g}, {y:g}, {z:g}) is nowhere along the patch: it is laid by its extent.",
-        remedy="Give `grain` a direction along the patch, or `none`.",
+        remedy="Give `grain` a direction along the patch, a curve, two nodes, or `none`.",
     )
 
 

@@ -62,6 +62,12 @@ def along_grain(flat: Floats, mesh: SurfaceMesh, direction: Floats) -> Floats | 
     return None if along is None else _turned(flat, along)
 
 
+def along_chord(flat: Floats, first: int, last: int) -> Floats:
+    """The flat mesh turned so that vertex `last` lies along +x from vertex `first`."""
+    along = flat[last] - flat[first]
+    return _turned(flat, along / np.linalg.norm(along))
+
+
 def _conformal(mesh: SurfaceMesh) -> Floats:
     """Least-squares conformal map with the two farthest boundary vertices held at their distance.
 

@@ -10,8 +10,9 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding
 from flatnet.geometry.polygon import edge_vectors, predicted_angles
 from flatnet.geometry.triangles import dot
+from flatnet.network.grain import make_grain
 from flatnet.network.graph import Dart
-from flatnet.network.network import SampledStretch
+from flatnet.network.network import GeometryError, SampledStretch
 from flatnet.network.patch import BoundaryCurve, Patch, Stretch
 from flatnet.project.model import CurveSpec, PatchSpec, Problem
 
@@ -48,11 +49,16 @@ def make_patch(
         if node not in ends
     ]
     boundary = _boundary(loop, stretches, spec.min_angles)
+    grain = None
+    try:
+        grain = make_grain(spec, loop, boundary, stretches)
+    except GeometryError as found:
+        problems.append(found.problem)
     problems += _side_changes(spec, boundary, stretches, curves)
     if problems:
         return None, problems
     return _winding(spec, boundary) or Patch(
-        spec.name, boundary, spec.edge_length, spec.material, spec.cut, spec.mirrored, spec.grain, spec.allowance
+        spec.name, boundary, spec.edge_length, spec.material, spec.cut, spec.mirrored, grain, spec.allowance
     ), []
 
 

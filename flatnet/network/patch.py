@@ -69,6 +69,22 @@ class BoundaryCurve:
 
 
 @dataclass(frozen=True, eq=False)
+class Grain:
+    """The direction of a patch that is laid along the material's grain.
+
+    Attributes
+    ----------
+    direction : (3,) float, unit, in space; or
+    chord : two boundary vertices, from the first of which to the second the grain runs on the flat piece.
+    said : the project says so; else a patch on which `direction` is nowhere is laid by its extent.
+    """
+
+    direction: Floats | None = None
+    chord: tuple[int, int] | None = None
+    said: bool = True
+
+
+@dataclass(frozen=True, eq=False)
 class Patch:
     """One face of the network that is to be made.
 
@@ -79,7 +95,7 @@ class Patch:
     edge_length : target length of the interior mesh edges, mm.
     material : name of a material of the project.
     cut, mirrored : how many plain and how many mirrored copies are cut.
-    grain : (3,) float, unit: the direction in space that is laid along the roll; None where there is none.
+    grain : what is laid along the roll; None where nothing is.
     allowance : along seams that say nothing, mm; None: as the material says.
     """
 
@@ -89,5 +105,5 @@ class Patch:
     material: str
     cut: int = 1
     mirrored: int = 0
-    grain: Floats | None = None
+    grain: Grain | None = None
     allowance: float | None = None

@@ -54,6 +54,7 @@ class Piece:
     cut_line : (k, 2) float; the sew line and its allowances.
     holes : (k, 2) float each, clockwise; cut out inside it: what a patch that closes on itself goes round.
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
+    one_way : its material may not be turned by 180 degrees (a nap).
     notches : marks in the allowance, from the cut line inwards.
     label : name, copies, material and what it belongs to, well inside the piece.
     cut, mirrored : how many plain and how many mirrored copies are cut.
@@ -69,6 +70,7 @@ class Piece:
     seams: tuple[SeamRun, ...]
     notches: tuple[Notch, ...]
     grain: Floats | None
+    one_way: bool
     label: Label
     cut: int
     mirrored: int
@@ -162,7 +164,8 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
         holes=cut.holes,
         seams=tuple(runs),
         notches=notches,
-        grain=grain_line(free) if fitted.has_grain else None,
+        grain=grain_line(free) if _shows_grain(fitted, material) else None,
+        one_way=material.one_way,
         label=label,
         cut=patch.cut,
         mirrored=patch.mirrored,
@@ -173,6 +176,12 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
             *_deep_notches(patch, notches),
         ),
     )
+
+
+def _shows_grain(fitted: FittedPatch, material: Material) -> bool:
+    """Whether the piece has an arrow: on leather, which may lie as it likes, only where the project asks for it."""
+    grain = fitted.patch.grain
+    return fitted.has_grain and grain is not None and (grain.said or material.rotations is not None)
 
 
 def _allowances(patch: Patch, material: Material, seams: Mapping[str, Seam]) -> tuple[Floats, dict[int, Corner]]:

@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 
 from flatnet.parameters import FittingParameters
-from flatnet.project.model import CurveSpec, Floats, OpeningSpec, PatchSpec, Problem, SignedCurve
+from flatnet.project.model import CurveSpec, GrainSpec, OpeningSpec, PatchSpec, Problem, SignedCurve
 from flatnet.project.parameters import read_fitting
 from flatnet.project.section import Section
 from flatnet.project.sewing import allowance_in
@@ -31,6 +31,7 @@ from flatnet.project.values import (
 from flatnet.project.yaml_nodes import mark_of
 
 _PATCH_KEYS = ("around", "material", "cut", "mirrored", "grain", "edge_length", "min_angle", "fitting", "allowance")
+_GRAIN_KEYS = ("along", "from", "to")
 _SIGNED = re.compile(rf"(-?)({NAME})(?::({NAME})\.\.({NAME}))?")
 _MOST_COPIES = 1000
 Loops = tuple[tuple[SignedCurve, ...], ...]
@@ -88,14 +89,13 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
     cut, mirrored = section.get("cut", copies, 1), section.get("mirrored", copies, 0)
     if cut == mirrored == 0:
         section.problem(section.values["cut"], "nothing is cut: give 'mirrored' too, or make it an opening")
-    up: Floats | None = _UP
     return PatchSpec(
         name=key,
         loops=loops,
         material=_material(section, setting.materials),
         cut=cut,
         mirrored=mirrored,
-        grain=section.get("grain", _grain, up),
+        grain=_grain(section, setting.curves),
         edge_length=section.get(
             "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
         ),
@@ -109,12 +109,43 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
 _UP = frozen(np.array([0.0, 0.0, 1.0]))
 
 
-def _grain(node: yaml.Node) -> Floats | None:
+def _grain(section: Section, curves: Mapping[str, CurveSpec]) -> GrainSpec | None:
+    node = section.values.get("grain")
+    if node is None:
+        return GrainSpec(_UP, said=False)
     if isinstance(node, yaml.SequenceNode):
-        return direction(node)
+        return GrainSpec(section.read("grain", node, direction, _UP))
     if isinstance(node, yaml.ScalarNode) and node.value in ("up", "none"):
-        return _UP if node.value == "up" else None
-    raise wrong(node, "'up', 'none' or a direction [x, y, z]")
+        return GrainSpec(_UP) if node.value == "up" else None
+    if isinstance(node, yaml.MappingNode):
+        return _drawn_grain(section, node, curves)
+    section.read("grain", node, _no_grain, None)
+    return None
+
+
+def _no_grain(node: yaml.Node) -> None:
+    raise wrong(node, "'up', 'none', a direction [x, y, z], {along: curve} or {from: node, to: node}")
+
+
+def _drawn_grain(section: Section, node: yaml.MappingNode, curves: Mapping[str, CurveSpec]) -> GrainSpec | None:
+    """Along a curve, or from one node to another."""
+    inner = Section(node, f"{section.title}: grain", mark_of(node), _GRAIN_KEYS, section.problems)
+    if "along" in inner.values:
+        for key in [key for key in ("from", "to") if key in inner.values]:
+            inner.problem(inner.keys[key], f"'along' and '{key}' exclude each other; keep one")
+        entry = _entry(inner, "along", inner.values["along"], curves)
+        return GrainSpec(curve=entry) if entry else None
+    known = {name for curve in curves.values() for name in curve.nodes}
+    ends = []
+    for key in ("from", "to"):
+        end = inner.require(key, scalar("the name of a node"), "", "the grain runs along a curve or between two nodes")
+        if end and end not in known:
+            hint = nearest(end, sorted(known), "nodes")
+            inner.problem(inner.values[key], f"{key}: no curve passes a node {end!r}; {hint}")
+        ends.append(end)
+    if ends[0] == ends[1] != "":
+        inner.problem(node, "'from' and 'to' are the same node")
+    return GrainSpec(nodes=(ends[0], ends[1]))
 
 
 def _material(section: Section, materials: tuple[str, ...]) -> str:

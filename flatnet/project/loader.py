@@ -51,6 +51,8 @@ _TOP_KEYS = (
 _MESH_KEYS = ("mesh", "units", "up", "outer")
 _MESH_FILES = (".obj", ".stl", ".ply")
 _MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance")
+#: Rotations by the kind of material: with a grain, with a grain that has a direction, without.
+_ROTATIONS: dict[str, tuple[float, ...] | None] = {"woven": (0.0, 180.0), "nap": (0.0,), "free": None}
 #: Stands in where a file names no material.
 _DEFAULT_MATERIAL = Material("default", width=1500.0)
 #: chord_tolerance where the file says none, in edge lengths.
@@ -191,11 +193,12 @@ def _rotations(section: Section) -> tuple[float, ...] | None:
     if "rotations" not in section.values:
         return Material.rotations
     node = section.values["rotations"]
-    expected = "a list of angles in degrees, or 'free'"
+    expected = "a list of angles in degrees, or 'woven', 'nap' or 'free'"
     if isinstance(node, yaml.ScalarNode):
-        if section.read("rotations", node, scalar(expected), "free") != "free":
+        word = section.read("rotations", node, scalar(expected), "free")
+        if word not in _ROTATIONS:
             section.problem(node, f"rotations: {wrong(node, expected).message}")
-        return None
+        return _ROTATIONS.get(word)
     items = section.items("rotations", node, expected)
     if not items and isinstance(node, yaml.SequenceNode):
         section.problem(node, "rotations: names no angle; 0 keeps pieces as their grain lies")

@@ -221,13 +221,31 @@ class SignedCurve:
 
 
 @dataclass(frozen=True, eq=False)
+class GrainSpec:
+    """What is laid along the material's grain: one of a direction, two nodes, or a curve.
+
+    Attributes
+    ----------
+    direction : (3,) unit, in space.
+    nodes : from the first to the second, on the flat piece where both are on its boundary.
+    curve : along it, as far as the patch reaches, forwards or backwards.
+    said : the file says so; where it does not, a patch on which `direction` is nowhere is laid by its extent.
+    """
+
+    direction: Floats | None = None
+    nodes: tuple[str, str] | None = None
+    curve: SignedCurve | None = None
+    said: bool = True
+
+
+@dataclass(frozen=True, eq=False)
 class PatchSpec:
     """A patch as the file gives it.
 
     Attributes
     ----------
     loops : one tuple of signed curves per boundary loop (more than one: not a disk).
-    grain : unit (3,) or None.
+    grain : None: it has none.
     min_angles : node name -> rad.
     fitting : the method of this patch, as its parameters.
     allowance : of its edges whose curves say nothing, mm; None: as its material says.
@@ -238,7 +256,7 @@ class PatchSpec:
     material: str
     cut: int
     mirrored: int
-    grain: Floats | None
+    grain: GrainSpec | None
     edge_length: float
     min_angles: Mapping[str, float]
     fitting: FittingParameters
@@ -271,6 +289,12 @@ class Material:
     rotations: tuple[float, ...] | None = (0.0, 180.0)
     gap: float = 0.0
     allowance: float = 0.0
+
+    @property
+    def one_way(self) -> bool:
+        """Whether no piece may lie the other way round than another."""
+        angles = [] if self.rotations is None else [angle % 360.0 for angle in self.rotations]
+        return self.rotations is not None and not any((angle + 180.0) % 360.0 in angles for angle in angles)
 
 
 @dataclass(frozen=True, eq=False)

@@ -107,7 +107,7 @@ def test_patches(tmp_path: Path) -> None:
     assert around == [["hem", "side", "top:007..d-e.f", "top:d-e.f..on"], ["-hole"]]
     assert (front.material, front.cut, front.mirrored) == ("denim", 2, 1)
     assert front.grain is not None and disk.grain is None
-    np.testing.assert_allclose(front.grain, [0, 0.6, 0.8], rtol=1e-15)
+    np.testing.assert_allclose(front.grain.direction, [0, 0.6, 0.8], rtol=1e-15)
     assert front.min_angles == {"no": np.radians(95.0)}
     assert (front.allowance, disk.allowance) == (8.0, None)
     assert front.fitting == MultiLoopParameters()
@@ -138,7 +138,8 @@ def test_defaults(tmp_path: Path) -> None:
     assert (project.edge_length, project.chord_tolerance, project.surface) == (1.0, 0.02, None)
     assert list(project.materials) == [project.patches["p"].material] == ["default"]
     grain = project.patches["p"].grain
-    assert grain is not None and grain.tolist() == [0, 0, 1]
+    assert grain is not None and grain.direction is not None
+    assert (grain.direction.tolist(), grain.said) == ([0, 0, 1], False)
     assert project.patches["p"].fitting == FairParameters()
 
 
@@ -265,14 +266,18 @@ BAD = [
     ("ca]}", "ca], cut: -1}", 10, 34, "must be in [0, 1000], got -1"),
     ("ca]}", "ca], cut: 0}", 10, 34, "nothing is cut"),
     ("ca]}", "ca], allowance: 1 cm}", 10, 40, "expected a number, got '1 cm'"),
-    ("ca]}", "ca], grain: down}", 10, 36, "expected 'up', 'none' or a direction"),
+    ("ca]}", "ca], grain: down}", 10, 36, "expected 'up', 'none', a direction"),
+    ("ca]}", "ca], grain: {along: xy}}", 10, 44, "patch 'p': grain: along: there is no curve 'xy'"),
+    ("ca]}", "ca], grain: {from: a}}", 10, 36, "'to' is missing; the grain runs along a curve or between two"),
+    ("ca]}", "ca], grain: {from: a, to: d}}", 10, 50, "to: no curve passes a node 'd'"),
+    ("ca]}", "ca], grain: {along: ab, to: b}}", 10, 48, "'along' and 'to' exclude each other"),
     ("ca]}", "ca], min_angle: {d: 90}}", 10, 41, "node 'd' is not on the boundary of the patch"),
     ("ca]}", "ca], min_angle: {a: 360}}", 10, 44, "must be between 0 and 360 degrees, got 360"),
     ("ca]}", "ca], fitting: {method: fast}}", 10, 47, "expected 'fair' or 'multi_loop', got 'fast'"),
     ("ca]}", "ca]}\nmaterials: {m: {gap: 1}}", 11, 13, "material 'm': 'width' is missing"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, gap: -1}}", 11, 32, "must not be less than 0, got -1"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: []}}", 11, 38, "names no angle"),
-    ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: all}}", 11, 38, "or 'free', got 'all'"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: all}}", 11, 38, "'nap' or 'free', got 'all'"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 1}, n: {width: 1}}", 10, 3, "say which of m, n"),
     ("ca]}", "ca]}\nfitting: {ramp_steps: 0}", 11, 23, "ramp_steps must be in [1, 1000], got 0"),
     ("ca]}", "ca]}\nfitting: {ramp_start: 200}", 11, 1, "ramp_end must be in [200,"),
