@@ -3,35 +3,37 @@
 from __future__ import annotations
 
 import json
-import traceback
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
-
-from threadpoolctl import threadpool_limits
 
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
 from flatnet.export.output import REPORT, OutputFolder
 from flatnet.export.svg import write_layout, write_piece
-from flatnet.failure import Finding, PatchFailure
-from flatnet.fitting.fit import fit_patch
+from flatnet.failure import REPORT_IT, Finding, PatchFailure
 from flatnet.fitting.results import FailedPatch, FittedPatch
+from flatnet.fitting.run import run_patch
 from flatnet.forms import make_surface
+from flatnet.geometry.polygon import side_lengths
 from flatnet.nesting.layout import Layout
 from flatnet.nesting.nest import nest
 from flatnet.nesting.stored import Stored, read_stored, write_stored
-from flatnet.network import CurveNetwork, make_network
+from flatnet.network import CurveNetwork
+from flatnet.network.assembly import make_network
 from flatnet.network.patch import Patch
-from flatnet.parameters import FittingParameters
+from flatnet.parameters import FittingParameters, Limits
 from flatnet.pattern.piece import Piece, make_piece
 from flatnet.pattern.seams import Seam, plan_seams
 from flatnet.project import Project, load_project
 from flatnet.report.report import make_report
+from flatnet.workers import Lost, Workers, usable_cores
 
 #: Called as the work goes on: what is being done, how many of the patches are done, of how many.
 Progress = Callable[[str, int, int], None]
+#: What makes of a patch what it can; a function of a module, called in another process.
+Fit = Callable[[Patch, FittingParameters], FittedPatch | FailedPatch]
 
 STORED_LAYOUT = "layout.json"
 
@@ -49,8 +51,20 @@ class BuildResult:
         return 0 if self.report["status"] == "ok" else 1
 
 
-def build(project_file: str | Path, out: str | Path, progress: Progress = lambda *_: None) -> BuildResult:
+def build(
+    project_file: str | Path,
+    out: str | Path,
+    progress: Progress = lambda *_: None,
+    workers: int | None = None,
+    fit: Fit = run_patch,
+) -> BuildResult:
     """Fit every patch of a project, lay the pieces out and write everything to the folder `out`.
+
+    Parameters
+    ----------
+    workers : how many patches are fitted at once, each in a process of its own; by default one for each core
+        that may be used. Only the time depends on it.
+    fit : what fits a patch.
 
     Raises
     ------
@@ -60,21 +74,21 @@ def build(project_file: str | Path, out: str | Path, progress: Progress = lambda
         The folder can't be used or written; the earlier build in it is as it was.
     """
     project = load_project(Path(project_file))
-    surface = make_surface(project)
-    network = make_network(project, surface)
-    seams = plan_seams(project, network)
-    with OutputFolder(Path(out)) as output:
-        # One thread: the matrices are small, threads that wait for each other cost more than they bring, and the
-        # sums do not depend on how many there are.
-        with threadpool_limits(limits=1, user_api="blas"):
-            results = _fit_all(project, network, progress)
-        pieces, results = _make_pieces(project, seams, results)
-        layouts, findings = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
-        named = dict(zip(_layout_files(layouts), layouts, strict=True))
-        files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
-        report = make_report(project.name, network, seams, surface, results, named, findings, sorted(files))
-        (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
-        output.commit(files)
+    # They start, which takes a second, while the network is made.
+    with Workers(fit, min(workers or usable_cores(), len(project.patches)), project.limits) as crew:
+        surface = make_surface(project)
+        network = make_network(project, surface)
+        seams = plan_seams(project, network)
+        with OutputFolder(Path(out)) as output:
+            results = _fit_all(project, network, crew, progress)
+            crew.dismiss()
+            pieces, results = _make_pieces(project, seams, results)
+            layouts, findings = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
+            named = dict(zip(_layout_files(layouts), layouts, strict=True))
+            files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
+            report = make_report(project.name, network, seams, surface, results, named, findings, sorted(files))
+            (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+            output.commit(files)
     return BuildResult(output.folder, report)
 
 
@@ -93,19 +107,51 @@ def check(project_file: str | Path) -> tuple[Project, CurveNetwork]:
 
 
 def _fit_all(
-    project: Project, network: CurveNetwork, progress: Progress
+    project: Project, network: CurveNetwork, crew: Workers, progress: Progress
 ) -> list[FittedPatch | FailedPatch]:
-    """Every patch of the project in its order; one that fails stops no other."""
-    not_fitted = {finding.patch: finding for finding in network.failed}
-    patches = {patch.name: patch for patch in network.patches}
-    results: list[FittedPatch | FailedPatch] = []
-    for name, spec in project.patches.items():
-        if name in not_fitted:
-            results.append(FailedPatch(name, not_fitted[name]))
-        else:
-            results.append(run_patch(patches[name], spec.fitting))
+    """Every patch of the project in its order, the heaviest begun first; one that fails stops no other."""
+    results: dict[str, FittedPatch | FailedPatch] = {}
+
+    def note(name: str, result: FittedPatch | FailedPatch) -> None:
+        results[name] = result
         progress(name, len(results), len(project.patches))
-    return results
+
+    for finding in network.failed:
+        note(finding.patch, FailedPatch(finding.patch, finding))
+    patches = sorted(network.patches, key=_edges_around, reverse=True)
+    for index, result in crew.run([(patch, project.patches[patch.name].fitting) for patch in patches]):
+        name = patches[index].name
+        note(name, FailedPatch(name, _given_up(name, result, project.limits)) if isinstance(result, Lost) else result)
+    return [results[name] for name in project.patches]
+
+
+def _edges_around(patch: Patch) -> float:
+    """Mesh edges along the boundary: what fitting takes grows with it."""
+    return float(side_lengths(patch.boundary.vertices).sum()) / patch.edge_length
+
+
+def _given_up(name: str, lost: Lost, limits: Limits) -> Finding:
+    """Why a patch came to nothing, not even to a failure of its own."""
+    finding = Finding("internal_error", "fitting", "", REPORT_IT, name, details=lost.details)
+    if lost.reason == "itself":
+        return replace(finding, message=f"the process that fitted it ended with {lost.ending}.")
+    smaller = "Use a larger edge_length for the patch, or cut it in two; or give it more by"
+    if lost.reason == "memory":
+        return replace(
+            finding,
+            message=f"it took {lost.megabytes:.0f} MB; `limits` allow {limits.memory}.",
+            remedy=f"{smaller} `limits: {{memory: ...}}`.",
+            amount=lost.megabytes,
+            unit="MB",
+        )
+    return replace(
+        finding,
+        code="time_limit",
+        message=f"it was not done after {lost.seconds:.0f} s; `limits` allow {limits.seconds}.",
+        remedy=f"{smaller} `limits: {{seconds: ...}}`.",
+        amount=lost.seconds,
+        unit="s",
+    )
 
 
 def _nest_all(
@@ -125,19 +171,6 @@ def _nest_all(
     return layouts, findings
 
 
-def run_patch(
-    patch: Patch, parameters: FittingParameters
-) -> FittedPatch | FailedPatch:
-    """Fit one patch; the one place where its failures are caught."""
-    seconds: dict[str, float] = {}
-    try:
-        return fit_patch(patch, parameters, seconds)
-    except PatchFailure as failure:
-        return FailedPatch(patch.name, failure.finding.on(patch.name), seconds=seconds)
-    except Exception as error:
-        return FailedPatch(patch.name, _internal_error(patch.name, "fitting", error), seconds=seconds)
-
-
 def _make_pieces(
     project: Project, seams: Mapping[str, Seam], results: Sequence[FittedPatch | FailedPatch]
 ) -> tuple[list[Piece], list[FittedPatch | FailedPatch]]:
@@ -154,21 +187,10 @@ def _make_pieces(
             except PatchFailure as failure:
                 result = FailedPatch(name, failure.finding.on(name), result.warnings, result.seconds)
             except Exception as error:
-                bug = _internal_error(name, "pattern", error)
+                bug = Finding.of_a_bug(name, "pattern", error)
                 result = FailedPatch(name, bug, result.warnings, result.seconds)
         kept.append(result)
     return pieces, kept
-
-
-def _internal_error(patch: str, stage: str, error: Exception) -> Finding:
-    return Finding(
-        code="internal_error",
-        stage=stage,
-        message=f"{type(error).__name__}: {error}",
-        remedy="This is a bug in flatnet; please report it with the project file and report.json.",
-        patch=patch,
-        details="".join(traceback.format_exception(error)),
-    )
 
 
 def _layout_files(layouts: Sequence[Layout]) -> list[str]:

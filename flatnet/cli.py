@@ -37,7 +37,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.command == "draw":
             _say(str(draw(options.folder, options.picture)), sys.stdout)
             return 0
-        result = _build(options.project, options.out)
+        result = _build(options.project, options.out, options.workers)
         _say("\n".join(summary_lines(result.report, result.folder)), sys.stdout)
         return result.exit_status
     except ProjectError as error:
@@ -88,6 +88,8 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("project", type=Path, metavar="PROJECT.yaml")
         if name == "build":
             command.add_argument("-o", "--out", type=Path, default=Path("out"), help="output folder (default: out)")
+            most = "patches fitted at once (default: one for each core)"
+            command.add_argument("--workers", type=_positive, metavar="N", help=most)
     text = "draw the network, patches and layouts of a build as one PNG (needs matplotlib)"
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
@@ -95,10 +97,16 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
-def _build(project: Path, out: Path) -> BuildResult:
+def _positive(text: str) -> int:
+    if not text.isdecimal() or int(text) < 1:
+        raise argparse.ArgumentTypeError(f"expected a number from 1, got {text!r}")
+    return int(text)
+
+
+def _build(project: Path, out: Path, workers: int | None) -> BuildResult:
     """Build with a progress bar on a terminal, with plain lines elsewhere."""
     if sys.stderr is None or not sys.stderr.isatty():
-        return build(project, out, lambda text, done, total: _say(f"[{done}/{total}] {text}", sys.stderr))
+        return build(project, out, lambda text, done, total: _say(f"[{done}/{total}] {text}", sys.stderr), workers)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("reading", total=None)
@@ -106,4 +114,5 @@ def _build(project: Path, out: Path) -> BuildResult:
             project,
             out,
             lambda text, done, total: bar.update(task, description=text, completed=done, total=total),
+            workers,
         )

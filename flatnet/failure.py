@@ -7,6 +7,7 @@ are another thing: `flatnet.project.ProjectError`.
 
 from __future__ import annotations
 
+import traceback
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -20,6 +21,7 @@ CODES: dict[str, str] = {
     "not_converged": "a vertex could not be made flattenable",
     "folded": "the fitted mesh folds back on itself",
     "sheet_too_small": "the piece does not fit on the material",
+    "time_limit": "the patch took longer than it may",
     "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
     "opposed_normals": "the normals of two neighbouring edges are opposed",
     "crowded_allowance": "an allowance has no room: the piece itself or another allowance lies there",
@@ -27,6 +29,9 @@ CODES: dict[str, str] = {
     "no_grain": "the grain direction is nowhere along the patch",
     "draft_layout": "the nesting engine gave no layout: the pieces are laid in plain rows",
 }
+
+#: The remedy for a bug.
+REPORT_IT = "This is a bug in flatnet; please report it with the project file and report.json."
 
 
 @dataclass(frozen=True)
@@ -37,7 +42,7 @@ class Finding:
     ----------
     code : a key of `CODES`.
     stage : the stage that found it: network, planar_boundary, tessellation, warp, flattenable_mesh, unfold,
-        pattern, nesting.
+        fitting (one of those, which is not known), pattern, nesting.
     where : the place on the patch in words: curve and mm along it, vertex and coordinates; "" for all of it.
     amount : how much, in `unit`; None where there is nothing to measure.
     message : the whole statement in a sentence.
@@ -61,6 +66,18 @@ class Finding:
     def on(self, patch: str) -> Finding:
         """The same finding, with the name of its patch."""
         return replace(self, patch=patch)
+
+    @classmethod
+    def of_a_bug(cls, patch: str, stage: str, error: Exception) -> Finding:
+        """The `internal_error` that an unforeseen exception is, with its traceback."""
+        return cls(
+            code="internal_error",
+            stage=stage,
+            message=f"{type(error).__name__}: {error}",
+            remedy=REPORT_IT,
+            patch=patch,
+            details="".join(traceback.format_exception(error)),
+        )
 
     def as_dict(self) -> dict[str, Any]:
         return asdict(self)

@@ -92,6 +92,24 @@ METHODS: dict[str, type[FittingParameters]] = {
 
 
 @dataclass(frozen=True)
+class Limits:
+    """What a patch may take before it is given up; the others go on.
+
+    Attributes
+    ----------
+    seconds : by the clock.
+    memory : of the process that fits it, MB (10^6 bytes).
+    """
+
+    seconds: int = 600
+    memory: int = 8000
+
+    def __post_init__(self) -> None:
+        _check(self.seconds, "seconds", 1, 1_000_000)
+        _check(self.memory, "memory", 300, 1_000_000_000)
+
+
+@dataclass(frozen=True)
 class NestingParameters:
     """How long and from which seed the nesting engine looks.
 

@@ -5,6 +5,7 @@ import signal
 import subprocess
 import sys
 import time
+from contextlib import suppress
 from pathlib import Path
 
 import pytest
@@ -54,6 +55,14 @@ def test_the_api_does_the_same(square, tmp_path):
     with pytest.raises(ProjectError, match="did you mean 'around'"):
         build(square, tmp_path / "other")
     assert not (tmp_path / "other").exists()
+
+
+def test_how_many_workers_is_a_number_from_1(square, capsys):
+    for text in ("0", "-1", "two"):
+        with pytest.raises(SystemExit) as ended:
+            main(["build", str(square), "--workers", text])
+        assert ended.value.code == 2
+        assert "--workers: expected a number from 1" in capsys.readouterr().err
 
 
 def test_check_fits_and_writes_nothing(square, tmp_path, capsys):
@@ -127,15 +136,16 @@ def command(*arguments):
 @pytest.mark.parametrize(
     "moment, ending, to_all",
     [
-        ("yoke_back_inner", signal.SIGINT, True),
+        ("[1/28]", signal.SIGINT, True),
+        ("[1/28]", signal.SIGINT, False),
         ("nesting", signal.SIGINT, True),
         ("nesting", signal.SIGINT, False),
-        ("yoke_back_inner", signal.SIGTERM, False),
+        ("[1/28]", signal.SIGTERM, False),
         ("nesting", signal.SIGTERM, False),
     ],
 )
 def test_an_interrupted_build_leaves_the_earlier_one_as_it_was(square, tmp_path, moment, ending, to_all):
-    """While fitting, and while the nesting engine works in its own process, which ends too.
+    """While processes of their own fit patches, and while the nesting engine works in one, which end too.
 
     Ctrl-C on a terminal reaches the whole group of processes; `kill` reaches one.
     """
@@ -150,12 +160,12 @@ def test_an_interrupted_build_leaves_the_earlier_one_as_it_was(square, tmp_path,
     for line in process.stderr:
         if moment in line:
             break
-    time.sleep(0.5)
+    time.sleep(0.5 if moment == "nesting" else 0.05)
     (os.killpg if to_all else os.kill)(process.pid, ending)
     stopped = time.monotonic()
     _, message = process.communicate(timeout=20)
     assert process.returncode == 130
-    assert time.monotonic() - stopped < 5
+    assert time.monotonic() - stopped < 3  # a second, on a machine that does nothing else
     assert "interrupted" in message and "Traceback" not in message
     assert files_in(out) == before
     assert ends_within(5, process.pid)
@@ -185,7 +195,7 @@ def test_build_is_a_function_whatever_was_imported_before():
     """Of the package, although its module has the same name; and nothing heavy comes with the package alone."""
     lines = (
         "import sys, flatnet; assert 'numpy' not in sys.modules",
-        "from flatnet.build import run_patch; import flatnet.build; assert callable(flatnet.build)",
+        "from flatnet.build import check; import flatnet.build; assert callable(flatnet.build)",
         "from flatnet import ProjectError, build; assert build is flatnet.build",
         "import flatnet as f; f.check; f.OutputError; f.BuildResult; f.no_such_name",
     )
@@ -271,9 +281,13 @@ def test_on_a_terminal_a_bar_moves_and_is_gone_at_the_end(square, tmp_path):
         env={**os.environ, "TERM": "xterm"},
     )
     os.close(terminal)
-    build.communicate(timeout=60)
-    shown = os.read(screen, 1 << 20).decode()
+    parts = []
+    with suppress(OSError):  # nobody writes any more
+        while part := os.read(screen, 1 << 20):
+            parts.append(part)
     os.close(screen)
+    build.communicate(timeout=60)
+    shown = b"".join(parts).decode()
     assert build.returncode == 0
     assert "\u2501" in shown and "[1/1]" not in shown
     assert shown.rstrip().endswith("\x1b[2K")  # the bar's line is cleared

@@ -7,10 +7,10 @@ import pytest
 import yaml
 from written import read_report
 
-from flatnet.build import run_patch
 from flatnet.cli import main
 from flatnet.failure import CODES
 from flatnet.fitting.results import FailedPatch
+from flatnet.fitting.run import run_patch
 from flatnet.network.patch import BoundaryCurve, Patch, Stretch
 from flatnet.parameters import FairParameters
 

@@ -1,7 +1,9 @@
-"""The curve network: curves sampled once, faces traced, patches with boundaries ready to be fitted."""
+"""The curve network: curves sampled once, faces traced, patches with boundaries ready to be fitted.
 
-from flatnet.network.assembly import make_network
+What makes it is not imported here: the processes that fit its patches do without.
+"""
+
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.network.patch import BoundaryCurve, Patch, Stretch
 
-__all__ = ["BoundaryCurve", "CurveNetwork", "Patch", "SampledStretch", "Stretch", "make_network"]
+__all__ = ["BoundaryCurve", "CurveNetwork", "Patch", "SampledStretch", "Stretch"]

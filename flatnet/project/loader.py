@@ -9,7 +9,7 @@ from typing import Literal, cast
 import numpy as np
 import yaml
 
-from flatnet.parameters import FairParameters, NestingParameters
+from flatnet.parameters import FairParameters, Limits, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves, read_nodes
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.model import FormSurface, Material, MeshSurface, Problem, Project, ProjectError
@@ -47,6 +47,7 @@ _TOP_KEYS = (
     "materials",
     "fitting",
     "nesting",
+    "limits",
 )
 _MESH_KEYS = ("mesh", "units", "up", "outer")
 _MESH_FILES = (".obj", ".stl", ".ply")
@@ -116,6 +117,7 @@ def _project(file: Path, top: Section) -> Project:
         materials=materials,
         size=top.get("size", title, ""),
         nesting=read_parameters(top.section("nesting", parameter_names(NestingParameters)), NestingParameters()),
+        limits=read_parameters(top.section("limits", parameter_names(Limits)), Limits()),
     )
 
 

@@ -10,7 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
-from flatnet.parameters import FittingParameters, NestingParameters
+from flatnet.parameters import FittingParameters, Limits, NestingParameters
 
 Floats = NDArray[np.float64]
 
@@ -314,6 +314,7 @@ class Project:
     materials: Mapping[str, Material]
     size: str = ""
     nesting: NestingParameters = field(default_factory=NestingParameters)
+    limits: Limits = field(default_factory=Limits)
 
     @property
     def title(self) -> str:

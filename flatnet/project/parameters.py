@@ -1,15 +1,22 @@
-"""Parameters in a project file: `fitting` of the file and of a patch, `nesting`."""
+"""Parameters in a project file: `fitting` of the file and of a patch, `nesting`, `limits`."""
 
 from __future__ import annotations
 
 from dataclasses import asdict, fields
 from typing import TypeVar, cast
 
-from flatnet.parameters import METHODS, FairParameters, FittingParameters, MultiLoopParameters, NestingParameters
+from flatnet.parameters import (
+    METHODS,
+    FairParameters,
+    FittingParameters,
+    Limits,
+    MultiLoopParameters,
+    NestingParameters,
+)
 from flatnet.project.section import Section
 from flatnet.project.values import Parser, integer, number, one_of
 
-Parameters = TypeVar("Parameters", bound=FairParameters | MultiLoopParameters | NestingParameters)
+Parameters = TypeVar("Parameters", bound=FairParameters | MultiLoopParameters | NestingParameters | Limits)
 
 
 def read_fitting(parent: Section, defaults: FittingParameters) -> FittingParameters:

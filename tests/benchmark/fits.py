@@ -8,9 +8,9 @@ from typing import Any
 
 import numpy as np
 
-from flatnet.build import run_patch
 from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import FailedPatch, FittedPatch, PlanarMesh, WarpedMesh
+from flatnet.fitting.run import run_patch
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.warp import warp
 from flatnet.geometry.triangles import corner_angles, hinge_angles, hinges_of, signed_areas, vertex_sums

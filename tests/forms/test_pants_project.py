@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from flatnet.forms import make_surface
-from flatnet.network import make_network
+from flatnet.network.assembly import make_network
 from flatnet.project import load_project
 
 PROJECT = Path(__file__).parents[2] / "projects" / "pants" / "project.yaml"

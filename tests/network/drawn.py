@@ -4,8 +4,7 @@ import numpy as np
 import yaml
 
 from flatnet.geometry.polygon import predicted_angles
-from flatnet.network import make_network
-from flatnet.network.assembly import sample_stretches
+from flatnet.network.assembly import make_network, sample_stretches
 from flatnet.network.curves import place_nodes
 from flatnet.project import load_project
 

@@ -6,7 +6,7 @@ import yaml
 from pieces import SQUARE, cloth, piece
 
 from flatnet.fitting.fit import fit_patch
-from flatnet.network import make_network
+from flatnet.network.assembly import make_network
 from flatnet.parameters import FairParameters
 from flatnet.pattern.labels import arrow_head
 from flatnet.project import ProjectError, load_project

@@ -10,7 +10,7 @@ from textwrap import dedent
 import numpy as np
 import pytest
 
-from flatnet.parameters import METHODS, FairParameters, MultiLoopParameters, NestingParameters
+from flatnet.parameters import METHODS, FairParameters, Limits, MultiLoopParameters, NestingParameters
 from flatnet.project import (
     Ends,
     FormSurface,
@@ -50,6 +50,7 @@ def test_every_key_is_read(tmp_path: Path) -> None:
     assert (project.title, project.edge_length, project.chord_tolerance) == ("every key · 38", 8.0, 0.1)
     assert project.rest_is_open
     assert project.nesting == NestingParameters(seconds=3, seed=7)
+    assert project.limits == Limits(seconds=60, memory=2000)
     surface = project.surface
     assert isinstance(surface, MeshSurface)
     assert surface.path == tmp_path / "tetrahedron.stl"
@@ -284,6 +285,8 @@ BAD = [
     ("ca]}", "ca]}\nfitting: {w1: 3}", 11, 11, "'w1' belongs to method 'multi_loop'"),
     ("ca]}", "ca]}\nnesting: {sed: 3}", 11, 11, "did you mean 'seed'?"),
     ("ca]}", "ca]}\nnesting: {seconds: 1.5}", 11, 20, "expected a whole number"),
+    ("ca]}", "ca]}\nlimits: {second: 3}", 11, 10, "did you mean 'seconds'?"),
+    ("ca]}", "ca]}\nlimits: {memory: 100}", 11, 18, "memory must be in [300, 1e+09], got 100"),
     ("curves:", "curves: {}\ncurvs:", 5, 1, "there are no curves"),
     ("patches:", "rest: openings\npatchs:", 9, 1, "nothing is left to make"),
     ("ca]}", "ca]", 11, 1, "not valid YAML: while parsing a flow mapping"),
@@ -404,7 +407,7 @@ def test_the_docs_name_every_key_and_parameter() -> None:
         *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *sewing._NOTCH_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
-    for parameters in (*METHODS.values(), NestingParameters):
+    for parameters in (*METHODS.values(), NestingParameters, Limits):
         for name, value in vars(parameters()).items():
             assert re.search(rf"\b{name}\b", text) and str(value) in text, name
 

@@ -4,7 +4,7 @@ import numpy as np
 from pants_mesh import pants_project
 
 from flatnet.forms import make_surface
-from flatnet.network import make_network
+from flatnet.network.assembly import make_network
 from flatnet.project import load_project
 
 
