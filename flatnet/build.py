@@ -72,7 +72,11 @@ def build(
         The project is invalid; nothing is written.
     OutputError
         The folder can't be used or written; the earlier build in it is as it was.
+    ValueError
+        `workers` is less than 1.
     """
+    if workers is not None and workers < 1:
+        raise ValueError(f"workers must be at least 1, got {workers}")
     project = load_project(Path(project_file))
     # They start, which takes a second, while the network is made.
     with Workers(fit, min(workers or usable_cores(), len(project.patches)), project.limits) as crew:

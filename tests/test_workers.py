@@ -158,6 +158,11 @@ def test_every_other_patch_is_delivered_the_same_to_the_last_bit(alone, count, t
         assert (tmp_path / "out/patches" / f"{name}.obj").read_bytes() == (tmp_path / "expected.obj").read_bytes()
 
 
+def test_no_workers_are_refused(tmp_path):
+    with pytest.raises(ValueError, match="workers must be at least 1, got 0"):
+        build(write_project(tmp_path), tmp_path / "out", workers=0)
+
+
 def test_a_plain_script_can_build(tmp_path):
     """Without `if __name__ == "__main__"`, and where the working directory has a module called like one of Python's."""
     file = write_project(tmp_path)
