@@ -33,10 +33,11 @@ Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
 
 
+#: The penalty of the one soft step of a mesh that is carried over: `ramp_end` times the vertices over this. c of one
+#: and the same curvature falls with the area of a vertex.
+REFIT_VERTICES = 70.0
 #: Height of the bump that takes M^0 off a symmetric state, in mean edges.
 BUMP = 0.1
-#: Soft steps of a mesh that is carried over to a new tessellation.
-REFIT_RAMP = 3
 
 
 class FlattenableProblem:
@@ -137,8 +138,8 @@ def fit_fair(
 def refit_fair(
     carried: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
 ) -> FlattenableMesh:
-    """M from a mesh that is nearly M already: the ramp's last step a few times, a long one would undo it."""
-    ramp = np.full(REFIT_RAMP, parameters.ramp_end)
+    """M from a mesh that is smooth and nearly M already: one stiff step, where a ramp would undo it."""
+    ramp = np.array([parameters.ramp_end * len(carried.vertices) / REFIT_VERTICES])
     return _fitted(carried.vertices, boundary, planar, parameters, ramp)
 
 

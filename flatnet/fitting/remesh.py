@@ -1,4 +1,4 @@
-"""Carry a fitted mesh over to a fresh tessellation of its flat outline."""
+"""Carry a fitted mesh over to a fresh tessellation of its flat outline, smoothly."""
 
 from __future__ import annotations
 
@@ -7,11 +7,18 @@ from dataclasses import replace
 import numpy as np
 import shapely
 from numpy.typing import NDArray
+from scipy.sparse import eye_array
+from scipy.sparse.linalg import splu
 
+from flatnet.fitting.fair_energy import smoothness_matrix
 from flatnet.fitting.results import FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
 from flatnet.geometry.triangles import edge_lengths, edges_of
 
 Floats = NDArray[np.float64]
+
+#: How stiffly a smoothed mesh is held to where it was, against smoothness in mean edges: waves shorter than about
+#: 2 pi / HOLD^(1/4) = 5.5 edges go. At 0.1 sharp wrinkles lose their normals, at 10 smooth sheets crumple a little.
+HOLD = 1.7
 
 
 def rest_strain(planar: PlanarMesh, mesh: FlattenableMesh) -> float:
@@ -27,7 +34,27 @@ def flat_boundary(flat: Floats, planar_boundary: PlanarBoundary) -> PlanarBounda
 
 
 def carried_over(mesh: FlattenableMesh, flat: Floats, planar: PlanarMesh) -> WarpedMesh:
-    """The vertices of `planar`, placed on `mesh` where they lie in its flat shape (barycentric); (m, 3), mm."""
+    """The mesh of `planar` on the smooth surface next to `mesh`, each vertex about where it lies in the flat shape.
+
+    Placed on the facets of `mesh` the finer mesh would bend at their edges, and the way back to c = 0 would turn
+    these bends into crumples. So it is smoothed: min X^T Q X + w |X - placed|^2, Q the smoothness of the energy.
+    """
+    placed = placed_on(mesh, flat, planar)
+    n, count = planar.boundary_count, len(planar.positions)
+    smoothness = smoothness_matrix(planar.positions / planar.mean_edge, planar.triangles, np.arange(count) >= n)
+    factor = splu(
+        (smoothness[n:, n:] + HOLD * eye_array(count - n)).tocsc(),
+        permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
+        options={"SymmetricMode": True},
+    )
+    vertices = placed.copy()
+    vertices[n:] = factor.solve(HOLD * placed[n:] - smoothness[n:, :n] @ placed[:n])
+    return WarpedMesh(vertices, planar.triangles, n)
+
+
+def placed_on(mesh: FlattenableMesh, flat: Floats, planar: PlanarMesh) -> Floats:
+    """The vertices of `planar`, placed on the facets of `mesh` where they lie in its flat shape; (m, 3), mm."""
     corners = flat[mesh.triangles]
     tree = shapely.STRtree(shapely.polygons(corners))
     inner = planar.positions[planar.boundary_count :]
@@ -37,5 +64,4 @@ def carried_over(mesh: FlattenableMesh, flat: Floats, planar: PlanarMesh) -> War
     weights = np.linalg.solve(sides, (inner - a)[:, :, None])[:, :, 0]
     weights = np.column_stack([1.0 - weights.sum(axis=1), weights])
     placed = np.einsum("ik,ikj->ij", weights, mesh.vertices[mesh.triangles[found]])
-    vertices = np.concatenate([mesh.vertices[: planar.boundary_count], placed])
-    return WarpedMesh(vertices, planar.triangles, planar.boundary_count)
+    return np.concatenate([mesh.vertices[: planar.boundary_count], placed])
