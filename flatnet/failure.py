@@ -23,6 +23,7 @@ CODES: dict[str, str] = {
     "sheet_too_small": "the piece does not fit on the material",
     "time_limit": "the patch took longer than it may",
     "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
+    "wrinkled": "the fitted mesh has wrinkles",
     "opposed_normals": "the normals of two neighbouring edges are opposed",
     "crowded_allowance": "an allowance has no room: the piece itself or another allowance lies there",
     "deep_notch": "a notch is deeper than the allowance that it is cut into",
@@ -42,7 +43,7 @@ class Finding:
     ----------
     code : a key of `CODES`.
     stage : the stage that found it: network, planar_boundary, tessellation, warp, flattenable_mesh, unfold,
-        fitting (one of those, which is not known), pattern, nesting.
+        fitting (one of those, which is not known), pattern, nesting; of a finished patch, report.
     where : the place on the patch in words: curve and mm along it, vertex and coordinates; "" for all of it.
     amount : how much, in `unit`; None where there is nothing to measure.
     message : the whole statement in a sentence.

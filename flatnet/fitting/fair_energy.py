@@ -13,14 +13,14 @@ from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
-from scipy.sparse import coo_matrix, csr_matrix, diags_array
+from scipy.sparse import csr_matrix, diags_array
 from scipy.sparse.linalg import spsolve
 
 from flatnet.geometry.derivatives import area_gradients, edge_length_gradients, hinge_angle_gradients
+from flatnet.geometry.laplacian import cotangent_laplacian
 from flatnet.geometry.triangles import (
     area_vectors,
     boundary_triangles,
-    corner_angles,
     edge_lengths,
     edges_of,
     hinge_angles,
@@ -128,21 +128,6 @@ def area_term(triangles: Ints, rest: Floats, weight: float) -> Term:
         return np.linalg.norm(area_vectors(vertices, triangles), axis=1)
 
     return _symmetric_ratio_term(triangles, areas, area_gradients, rest, weight, AREA_METRIC)
-
-
-def cotangent_laplacian(planar: Floats, triangles: Ints, count: int) -> csr_matrix:
-    """Stiffness of linear elements on M^p, (count, count), symmetric, positive semi-definite."""
-    cotangents = 1.0 / np.tan(corner_angles(planar, triangles))
-    rows, columns, values = [], [], []
-    for corner in range(3):
-        a, b = triangles[:, (corner + 1) % 3], triangles[:, (corner + 2) % 3]
-        half = 0.5 * cotangents[:, corner]
-        rows += [a, b, a, b]
-        columns += [b, a, a, b]
-        values += [-half, -half, half, half]
-    return coo_matrix(
-        (np.concatenate(values), (np.concatenate(rows), np.concatenate(columns))), shape=(count, count)
-    ).tocsr()
 
 
 def lumped_areas(planar: Floats, triangles: Ints, count: int) -> Floats:

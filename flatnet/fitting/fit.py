@@ -130,8 +130,8 @@ def _check_converged(mesh: FlattenableMesh, boundary: BoundaryCurve, tolerance: 
     amount = mesh.max_flattenability
     if amount <= tolerance:
         return
-    nearest = int(np.argmin(np.linalg.norm(boundary.vertices - mesh.vertices[worst], axis=1)))
-    where = f"vertex {worst} at {_point(mesh, worst)}, next to {boundary.place(nearest)}"
+    near = boundary.place_near(mesh.vertices[worst])
+    where = f"vertex {worst} at {_point(mesh, worst)}, next to {near}"
     raise PatchFailure.of(
         "not_converged",
         "flattenable_mesh",

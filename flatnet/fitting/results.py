@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.geometry.triangles import angle_defects, edge_lengths, edge_strain, edges_of
+from flatnet.geometry.wrinkles import Wrinkles, find_wrinkles
 from flatnet.network.patch import Patch
 
 Floats = NDArray[np.float64]
@@ -106,6 +107,10 @@ class SurfaceMesh:
     @property
     def max_flattenability(self) -> float:
         return float(self.flattenability.max(initial=0.0))
+
+    @cached_property
+    def wrinkles(self) -> Wrinkles:
+        return find_wrinkles(self.vertices, self.triangles, self.boundary_count)
 
 
 @dataclass(frozen=True, eq=False)

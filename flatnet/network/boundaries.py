@@ -58,7 +58,15 @@ def make_patch(
     if problems:
         return None, problems
     return _winding(spec, boundary) or Patch(
-        spec.name, boundary, spec.edge_length, spec.material, spec.cut, spec.mirrored, grain, spec.allowance
+        spec.name,
+        boundary,
+        spec.edge_length,
+        spec.material,
+        spec.cut,
+        spec.mirrored,
+        grain,
+        spec.allowance,
+        spec.wrinkles_expected,
     ), []
 
 

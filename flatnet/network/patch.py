@@ -67,6 +67,10 @@ class BoundaryCurve:
                 return f"'{stretch.seam}' at {along.sum() - mm if stretch.reversed else mm:.1f} mm"
         return f"boundary vertex {edge}"
 
+    def place_near(self, point: Floats) -> str:
+        """Words for the boundary vertex nearest to a point, (3,) mm."""
+        return self.place(int(np.argmin(np.linalg.norm(self.vertices - point, axis=1))))
+
 
 @dataclass(frozen=True, eq=False)
 class Grain:
@@ -97,6 +101,7 @@ class Patch:
     cut, mirrored : how many plain and how many mirrored copies are cut.
     grain : what is laid along the roll; None where nothing is.
     allowance : along seams that say nothing, mm; None: as the material says.
+    wrinkles_expected : it is meant to wrinkle.
     """
 
     name: str
@@ -107,3 +112,4 @@ class Patch:
     mirrored: int = 0
     grain: Grain | None = None
     allowance: float | None = None
+    wrinkles_expected: bool = False

@@ -25,12 +25,24 @@ from flatnet.project.values import (
     length_in,
     nearest,
     number,
+    one_of,
     scalar,
     wrong,
 )
 from flatnet.project.yaml_nodes import mark_of
 
-_PATCH_KEYS = ("around", "material", "cut", "mirrored", "grain", "edge_length", "min_angle", "fitting", "allowance")
+_PATCH_KEYS = (
+    "around",
+    "material",
+    "cut",
+    "mirrored",
+    "grain",
+    "edge_length",
+    "min_angle",
+    "fitting",
+    "allowance",
+    "wrinkles",
+)
 _GRAIN_KEYS = ("along", "from", "to")
 _SIGNED = re.compile(rf"(-?)({NAME})(?::({NAME})\.\.({NAME}))?")
 _MOST_COPIES = 1000
@@ -101,6 +113,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         ),
         min_angles=_min_angles(section, loops if complete else (), setting.curves),
         fitting=read_fitting(section, setting.fitting),
+        wrinkles_expected=section.get("wrinkles", one_of("expected"), "") == "expected",
         mark=section.mark,
         allowance=section.get("allowance", allowance_in(setting.mm_per_unit), None),
     )

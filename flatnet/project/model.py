@@ -249,6 +249,7 @@ class PatchSpec:
     min_angles : node name -> rad.
     fitting : the method of this patch, as its parameters.
     allowance : of its edges whose curves say nothing, mm; None: as its material says.
+    wrinkles_expected : it is meant to wrinkle: no warning.
     """
 
     name: str
@@ -262,6 +263,7 @@ class PatchSpec:
     fitting: FittingParameters
     mark: Mark
     allowance: float | None = None
+    wrinkles_expected: bool = False
 
 
 @dataclass(frozen=True, eq=False)

@@ -19,6 +19,7 @@ from flatnet.geometry.triangles import (
     signed_areas,
     unit,
 )
+from flatnet.geometry.wrinkles import Wrinkles
 from flatnet.network.patch import BoundaryCurve
 
 Floats = NDArray[np.float64]
@@ -63,6 +64,17 @@ def surface_distance(fitted: FittedPatch, surface: ReferenceSurface) -> dict[str
     }
 
 
+def wrinkle_record(wrinkles: Wrinkles) -> dict[str, float]:
+    """The `wrinkles` of a patch in report.json."""
+    return {
+        "turning_deg": float(np.degrees(wrinkles.turning)),
+        "reach_mm": wrinkles.reach,
+        "ridges": wrinkles.ridges,
+        "valleys": wrinkles.valleys,
+        "depth_mm": wrinkles.depth,
+    }
+
+
 def metrics(fitted: FittedPatch, surface: ReferenceSurface | None) -> dict[str, object]:
     """The `metrics` of a patch in report.json."""
     mesh = fitted.mesh
@@ -80,6 +92,7 @@ def metrics(fitted: FittedPatch, surface: ReferenceSurface | None) -> dict[str, 
         "angle_error": fitted.planar_boundary.angle_error,
         "max_normal_deviation_deg": float(deviations.max()),
         "mean_normal_deviation_deg": float(deviations.mean()),
+        "wrinkles": wrinkle_record(mesh.wrinkles),
         "surface_distance_mm": surface_distance(fitted, surface) if surface is not None else None,
         "lemma_2_margin_rad": fitted.planar_boundary.lemma_2_margin,
         "max_dihedral_deg": float(np.degrees(np.abs(hinge_angles(mesh.vertices, hinges)).max(initial=0.0))),

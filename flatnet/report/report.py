@@ -13,6 +13,7 @@ from flatnet.network.network import CurveNetwork
 from flatnet.pattern.seams import Seam
 from flatnet.report.metrics import metrics
 from flatnet.report.seams import seam_records
+from flatnet.report.warnings import patch_warnings
 from flatnet.version import VERSION
 
 
@@ -73,7 +74,7 @@ def _fitted_record(
         "name": name,
         "status": "failed" if not_laid else "ok",
         "failure": not_laid.as_dict() if not_laid else None,
-        "warnings": [warning.on(name).as_dict() for warning in fitted.warnings],
+        "warnings": [warning.on(name).as_dict() for warning in (*fitted.warnings, *patch_warnings(fitted))],
         "metrics": metrics(fitted, surface),
         "method": {
             "name": mesh.method,

@@ -35,6 +35,7 @@ def _patch_line(patch: dict[str, Any], width: int) -> str:
     return (
         f"{name}  ok  {figures['vertices']:5d} V  flat to {figures['max_flattenability_rad']:.0e} rad  "
         f"normals {figures['mean_normal_deviation_deg']:4.1f} deg  bending {figures['bending']:7.1f}  "
+        f"wrinkles {figures['wrinkles']['turning_deg']:3.0f} deg  "
         f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s"
     )
 

@@ -26,6 +26,7 @@ PARTS = {
     "multi_loop": "against_multi_loop",
     "flattening": "flattening",
     "stages": "large_stages",
+    "wrinkles": "wrinkles",
     "figures": "figures",
 }
 

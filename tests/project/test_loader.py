@@ -113,6 +113,7 @@ def test_patches(tmp_path: Path) -> None:
     assert (front.allowance, disk.allowance) == (8.0, None)
     assert front.fitting == MultiLoopParameters()
     assert disk.fitting == FairParameters(normal_weight=2.0, ramp_steps=20)
+    assert (front.wrinkles_expected, disk.wrinkles_expected) == (False, True)
 
 
 def test_arrays_are_read_only(tmp_path: Path) -> None:
@@ -274,6 +275,7 @@ BAD = [
     ("ca]}", "ca], grain: {along: ab, to: b}}", 10, 48, "'along' and 'to' exclude each other"),
     ("ca]}", "ca], min_angle: {d: 90}}", 10, 41, "node 'd' is not on the boundary of the patch"),
     ("ca]}", "ca], min_angle: {a: 360}}", 10, 44, "must be between 0 and 360 degrees, got 360"),
+    ("ca]}", "ca], wrinkles: yes}", 10, 39, "expected 'expected', got 'yes'"),
     ("ca]}", "ca], fitting: {method: fast}}", 10, 47, "expected 'fair' or 'multi_loop', got 'fast'"),
     ("ca]}", "ca]}\nmaterials: {m: {gap: 1}}", 11, 13, "material 'm': 'width' is missing"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, gap: -1}}", 11, 32, "must not be less than 0, got -1"),

@@ -10,7 +10,7 @@ METRICS = {
     "max_flattenability_rad": 1e-12,
     "mean_normal_deviation_deg": 1.0,
     "bending": 2.0,
-    "max_dihedral_deg": 3.0,
+    "max_dihedral_deg": 3.0, "wrinkles": {"turning_deg": 0.0},
 }
 
 
