@@ -185,9 +185,10 @@ def _make_pieces(
         if isinstance(result, FittedPatch):
             name = result.patch.name
             try:
-                piece = make_piece(result, project.materials[result.patch.material], seams, project.title)
-                pieces.append(piece)
-                result = replace(result, warnings=result.warnings + piece.warnings)
+                made = _pieces_of(project, seams, result)
+                pieces += made
+                warnings = dict.fromkeys(warning for piece in made for warning in piece.warnings)
+                result = replace(result, warnings=(*result.warnings, *warnings))
             except PatchFailure as failure:
                 result = FailedPatch(name, failure.finding.on(name), result.warnings, result.seconds)
             except Exception as error:
@@ -195,6 +196,15 @@ def _make_pieces(
                 result = FailedPatch(name, bug, result.warnings, result.seconds)
         kept.append(result)
     return pieces, kept
+
+
+def _pieces_of(project: Project, seams: Mapping[str, Seam], fitted: FittedPatch) -> list[Piece]:
+    """One piece of a patch for each material that it is cut from."""
+    spec = project.patches[fitted.patch.name]
+    return [
+        make_piece(fitted, project.materials[material], seams, project.title, also)
+        for material, also in zip(spec.materials, (None, *spec.also), strict=True)
+    ]
 
 
 def _layout_files(layouts: Sequence[Layout]) -> list[str]:
@@ -208,6 +218,17 @@ def _layout_files(layouts: Sequence[Layout]) -> list[str]:
     return [f"{safe[title]}.svg" for title in unique]
 
 
+def _titles(project: Project) -> list[str]:
+    """Every patch, then every piece of one that is cut from a further material; a blank is in no name."""
+    further = [f"{spec.name} {also.material}" for spec in project.patches.values() for also in spec.also]
+    return [*project.patches, *further]
+
+
+def _title(project: Project, piece: Piece) -> str:
+    of_patch = piece.material == project.patches[piece.name].material
+    return piece.name if of_patch else f"{piece.name} {piece.material}"
+
+
 def _write(
     folder: Path,
     project: Project,
@@ -219,7 +240,7 @@ def _write(
     """Write all files but the report into a folder; their names relative to it."""
     (folder / "patches").mkdir()
     (folder / "pieces").mkdir()
-    names = safe_file_names(project.patches)
+    names = safe_file_names(_titles(project))
     files = ["network.json", STORED_LAYOUT, *layouts]
     write_network(folder / "network.json", network)
     write_stored(folder / STORED_LAYOUT, layouts.values())
@@ -231,10 +252,11 @@ def _write(
             write_obj(folder / files[-2], mesh.vertices, mesh.triangles, result.flat)
             write_obj(folder / files[-1], warped.vertices, warped.triangles, result.planar.positions)
     for piece in pieces:
-        files.append(f"pieces/{names[piece.name]}.svg")
+        files.append(f"pieces/{names[_title(project, piece)]}.svg")
         write_piece(folder / files[-1], piece)
     for file, layout in layouts.items():
-        wanted = [spec.name for spec in project.patches.values() if spec.material == layout.material.name]
-        laid = {p.piece.name for other in layouts.values() for p in other.placements}
+        wanted = [spec.name for spec in project.patches.values() if layout.material.name in spec.materials]
+        sheets = [other for other in layouts.values() if other.material.name == layout.material.name]
+        laid = {p.piece.name for other in sheets for p in other.placements}
         write_layout(folder / file, layout, project.title, [name for name in wanted if name not in laid])
     return files

@@ -19,7 +19,7 @@ from flatnet.pattern.allowance import TOUCH, Corner, CutLine, cut_line
 from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import Ends, Material
+from flatnet.project.model import AlsoSpec, Ends, Material
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -121,13 +121,20 @@ def region_of(outline: Floats) -> Polygon:
     return Polygon(parts[0].exterior, [hole for hole in parts[0].interiors if Polygon(hole).area > slack])
 
 
-def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam], project: str = "") -> Piece:
+def make_piece(
+    fitted: FittedPatch,
+    material: Material,
+    seams: Mapping[str, Seam],
+    project: str = "",
+    also: AlsoSpec | None = None,
+) -> Piece:
     """Draw the piece of a fitted patch.
 
     Parameters
     ----------
     seams : what is decided for each of its seams, by name.
     project : what it belongs to, for its label.
+    also : how it is cut from a further material; None: from the patch's own.
 
     Raises
     ------
@@ -143,11 +150,14 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
             "Divide the patch by another curve through the place where it overlaps.", patch=patch.name,
         ) from error
 
+    copies = (patch.cut, patch.mirrored) if also is None else (also.cut, also.mirrored)
     widths, corners = _allowances(patch, material, seams)
+    if also is not None and also.allowance is not None:
+        widths = np.full_like(widths, also.allowance)
     cut = cut_line(sew_line, inside, widths, corners)
     notches = _notches(patch, sew_line, widths, cut, seams)
     free = room_for_text(inside, [line for notch in notches for line in notch.lines])
-    label = name_label(patch.name, _words(patch.cut, patch.mirrored, material.name, project), free)
+    label = name_label(patch.name, _words(*copies, material.name, project), free)
     free = free.difference(label.box)
     runs = []
     for stretch in patch.boundary.stretches:
@@ -167,8 +177,8 @@ def make_piece(fitted: FittedPatch, material: Material, seams: Mapping[str, Seam
         grain=grain_line(free) if _shows_grain(fitted, material) else None,
         one_way=material.one_way,
         label=label,
-        cut=patch.cut,
-        mirrored=patch.mirrored,
+        cut=copies[0],
+        mirrored=copies[1],
         material=material.name,
         project=project,
         warnings=(

@@ -2,6 +2,7 @@
 
 from flatnet.project.loader import load_project
 from flatnet.project.model import (
+    AlsoSpec,
     CurveSpec,
     Ends,
     FormSurface,
@@ -22,6 +23,7 @@ from flatnet.project.model import (
 )
 
 __all__ = [
+    "AlsoSpec",
     "CurveSpec",
     "Ends",
     "FormSurface",

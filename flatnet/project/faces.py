@@ -11,7 +11,7 @@ import numpy as np
 import yaml
 
 from flatnet.parameters import FittingParameters
-from flatnet.project.model import CurveSpec, GrainSpec, OpeningSpec, PatchSpec, Problem, SignedCurve
+from flatnet.project.model import AlsoSpec, CurveSpec, GrainSpec, OpeningSpec, PatchSpec, Problem, SignedCurve
 from flatnet.project.parameters import read_fitting
 from flatnet.project.section import Section
 from flatnet.project.sewing import allowance_in
@@ -42,7 +42,9 @@ _PATCH_KEYS = (
     "fitting",
     "allowance",
     "wrinkles",
+    "also",
 )
+_ALSO_KEYS = ("cut", "mirrored", "allowance")
 _GRAIN_KEYS = ("along", "from", "to")
 _SIGNED = re.compile(rf"(-?)({NAME})(?::({NAME})\.\.({NAME}))?")
 _MOST_COPIES = 1000
@@ -97,14 +99,12 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
     problems_before = len(section.problems)
     loops = _around(section, setting.curves)
     complete = len(section.problems) == problems_before
-    copies = between(integer, 0, _MOST_COPIES)
-    cut, mirrored = section.get("cut", copies, 1), section.get("mirrored", copies, 0)
-    if cut == mirrored == 0:
-        section.problem(section.values["cut"], "nothing is cut: give 'mirrored' too, or make it an opening")
+    cut, mirrored = _copies(section, 1, 0)
+    material = _material(section, setting.materials)
     return PatchSpec(
         name=key,
         loops=loops,
-        material=_material(section, setting.materials),
+        material=material,
         cut=cut,
         mirrored=mirrored,
         grain=_grain(section, setting.curves),
@@ -116,7 +116,35 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         wrinkles_expected=section.get("wrinkles", one_of("expected"), "") == "expected",
         mark=section.mark,
         allowance=section.get("allowance", allowance_in(setting.mm_per_unit), None),
+        also=_also(section, setting, material, cut, mirrored),
     )
+
+
+def _copies(section: Section, cut: int, mirrored: int) -> tuple[int, int]:
+    """Plain and mirrored copies; `cut` and `mirrored` where nothing is said."""
+    copies = between(integer, 0, _MOST_COPIES)
+    cut, mirrored = section.get("cut", copies, cut), section.get("mirrored", copies, mirrored)
+    if cut == mirrored == 0:
+        where = section.values.get("cut", section.values.get("mirrored"))
+        section.problem(where or section.mark, "nothing is cut: give 'mirrored' too, or make it an opening")
+    return cut, mirrored
+
+
+def _also(section: Section, setting: FaceSetting, material: str, cut: int, mirrored: int) -> tuple[AlsoSpec, ...]:
+    """The further materials that a patch is cut from; copies are as many as of the first where nothing is said."""
+    every = section.section("also", None)
+    found = []
+    for name, node in every.values.items():
+        key = every.keys[name]
+        if name not in setting.materials:
+            hint = nearest(name, setting.materials, "materials")
+            every.problem(key, f"there is no material {name!r}; {hint}")
+        if name == material:
+            every.problem(key, f"{name!r} is its `material` already")
+        each = Section(node, f"{every.title}: {name}", mark_of(key), _ALSO_KEYS, section.problems)
+        width = each.get("allowance", allowance_in(setting.mm_per_unit), None)
+        found.append(AlsoSpec(name, *_copies(each, cut, mirrored), width))
+    return tuple(found)
 
 
 _UP = frozen(np.array([0.0, 0.0, 1.0]))

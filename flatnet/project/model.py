@@ -238,6 +238,22 @@ class GrainSpec:
     said: bool = True
 
 
+@dataclass(frozen=True)
+class AlsoSpec:
+    """The same patch cut from a further material: lining, interfacing.
+
+    Attributes
+    ----------
+    cut, mirrored : plain and mirrored copies.
+    allowance : along all its edges, over what curves and patch say, mm; None: as they say.
+    """
+
+    material: str
+    cut: int
+    mirrored: int
+    allowance: float | None = None
+
+
 @dataclass(frozen=True, eq=False)
 class PatchSpec:
     """A patch as the file gives it.
@@ -250,6 +266,7 @@ class PatchSpec:
     fitting : the method of this patch, as its parameters.
     allowance : of its edges whose curves say nothing, mm; None: as its material says.
     wrinkles_expected : it is meant to wrinkle: no warning.
+    also : what else is cut of it, one of each material.
     """
 
     name: str
@@ -264,6 +281,12 @@ class PatchSpec:
     mark: Mark
     allowance: float | None = None
     wrinkles_expected: bool = False
+    also: tuple[AlsoSpec, ...] = ()
+
+    @property
+    def materials(self) -> tuple[str, ...]:
+        """All materials that it is cut from."""
+        return (self.material, *(also.material for also in self.also))
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,6 +12,7 @@ import pytest
 
 from flatnet.parameters import METHODS, FairParameters, Limits, MultiLoopParameters, NestingParameters
 from flatnet.project import (
+    AlsoSpec,
     Ends,
     FormSurface,
     Mark,
@@ -111,6 +112,7 @@ def test_patches(tmp_path: Path) -> None:
     np.testing.assert_allclose(front.grain.direction, [0, 0.6, 0.8], rtol=1e-15)
     assert front.min_angles == {"no": np.radians(95.0)}
     assert (front.allowance, disk.allowance) == (8.0, None)
+    assert front.also == (AlsoSpec("felt", 2, 0, 6.0),) and front.materials == ("denim", "felt")
     assert front.fitting == MultiLoopParameters()
     assert disk.fitting == FairParameters(normal_weight=2.0, ramp_steps=20)
     assert (front.wrinkles_expected, disk.wrinkles_expected) == (False, True)
@@ -269,6 +271,10 @@ BAD = [
     ("ca]}", "ca], cut: 0}", 10, 34, "nothing is cut"),
     ("ca]}", "ca], allowance: 1 cm}", 10, 40, "expected a number, got '1 cm'"),
     ("ca]}", "ca], grain: down}", 10, 36, "expected 'up', 'none', a direction"),
+    ("ca]}", "ca], also: {felt: {}}}", 10, 36, "there is no material 'felt'"),
+    ("ca]}", "ca], also: {default: {}}}", 10, 36, "'default' is its `material` already"),
+    ("ca]}", "ca], also: {default: {cut: 0}}}", 10, 51, "nothing is cut"),
+    ("ca]}", "ca], also: {default: {cuts: 1}}}", 10, 46, "did you mean 'cut'?"),
     ("ca]}", "ca], grain: {along: xy}}", 10, 44, "patch 'p': grain: along: there is no curve 'xy'"),
     ("ca]}", "ca], grain: {from: a}}", 10, 36, "'to' is missing; the grain runs along a curve or between two"),
     ("ca]}", "ca], grain: {from: a, to: d}}", 10, 50, "to: no curve passes a node 'd'"),
@@ -406,7 +412,8 @@ def test_the_docs_name_every_key_and_parameter() -> None:
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
-        *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *sewing._NOTCH_KEYS,
+        *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *faces._ALSO_KEYS,
+            *faces._GRAIN_KEYS, *sewing._NOTCH_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):
