@@ -202,7 +202,7 @@ def _pieces_of(project: Project, seams: Mapping[str, Seam], fitted: FittedPatch)
     """One piece of a patch for each material that it is cut from."""
     spec = project.patches[fitted.patch.name]
     return [
-        make_piece(fitted, project.materials[material], seams, project.title, also)
+        make_piece(fitted, project.materials[material], seams, project.title, also, spec.marks)
         for material, also in zip(spec.materials, (None, *spec.also), strict=True)
     ]
 

@@ -27,6 +27,7 @@ CODES: dict[str, str] = {
     "opposed_normals": "the normals of two neighbouring edges are opposed",
     "crowded_allowance": "an allowance has no room: the piece itself or another allowance lies there",
     "deep_notch": "a notch is deeper than the allowance that it is cut into",
+    "mark_off": "a mark lies off its patch",
     "no_grain": "the grain direction is nowhere along the patch",
     "draft_layout": "the nesting engine gave no layout: the pieces are laid in plain rows",
 }

@@ -22,7 +22,7 @@ class DrawnPiece:
     Attributes
     ----------
     linear, shift : (2, 2) and (2,) float; a point of the piece's own frame stands at linear p + shift.
-    lines : class of a path (`cut`, `sew`, `grain`) -> its parts, each (k, 2) float; no point is repeated.
+    lines : class of a path (`cut`, `sew`, `grain` ...) -> its parts, each (k, 2) float; no point is repeated.
     """
 
     patch: str
@@ -62,7 +62,7 @@ def _piece(group: ElementTree.Element) -> DrawnPiece:
     )
     for path in group.iter(f"{_SVG}path"):
         parts = [np.reshape(_numbers(part), (-1, 2)) for part in path.attrib["d"].split("M")[1:]]
-        piece.lines[path.attrib["class"]] = [piece.place(part) for part in parts]
+        piece.lines.setdefault(path.attrib["class"], []).extend(piece.place(part) for part in parts)
     return piece
 
 

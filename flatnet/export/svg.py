@@ -32,6 +32,7 @@ STROKES = {
     "sew": "#0000ff",
     "notch": "#ff00ff",
     "grain": "#00aa00",
+    "internal": "#8800cc",
     "sheet": "#888888",
     "test-square": "#888888",
 }
@@ -134,6 +135,10 @@ def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) 
     group.add(_path(drawing, "sew", piece.sew_line))
     if piece.notches:
         group.add(_lines(drawing, "notch", [line for notch in piece.notches for line in notch.lines]))
+    for mark in piece.marks:
+        path = _lines(drawing, "internal", mark.lines)
+        path.update({"data-name": mark.name, "data-kind": mark.kind})
+        group.add(path)
     if piece.grain is not None:
         heads = [arrow_head(line) for line in ([piece.grain] if piece.one_way else [piece.grain, piece.grain[::-1]])]
         group.add(_lines(drawing, "grain", [piece.grain, *heads]))

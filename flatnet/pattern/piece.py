@@ -17,9 +17,10 @@ from flatnet.geometry.polygon import side_lengths
 from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.allowance import TOUCH, Corner, CutLine, cut_line
 from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
+from flatnet.pattern.marks import Mark, make_marks
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import AlsoSpec, Ends, Material
+from flatnet.project.model import AlsoSpec, Ends, MarkSpec, Material
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -56,6 +57,7 @@ class Piece:
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
     one_way : its material may not be turned by 180 degrees (a nap).
     notches : marks in the allowance, from the cut line inwards.
+    marks : lines and points that are drawn and not cut.
     label : name, copies, material and what it belongs to, well inside the piece.
     cut, mirrored : how many plain and how many mirrored copies are cut.
     material : name of the material.
@@ -69,6 +71,7 @@ class Piece:
     holes: tuple[Floats, ...]
     seams: tuple[SeamRun, ...]
     notches: tuple[Notch, ...]
+    marks: tuple[Mark, ...]
     grain: Floats | None
     one_way: bool
     label: Label
@@ -127,6 +130,7 @@ def make_piece(
     seams: Mapping[str, Seam],
     project: str = "",
     also: AlsoSpec | None = None,
+    marks: Sequence[MarkSpec] = (),
 ) -> Piece:
     """Draw the piece of a fitted patch.
 
@@ -135,6 +139,7 @@ def make_piece(
     seams : what is decided for each of its seams, by name.
     project : what it belongs to, for its label.
     also : how it is cut from a further material; None: from the patch's own.
+    marks : what is drawn inside it.
 
     Raises
     ------
@@ -156,7 +161,9 @@ def make_piece(
         widths = np.full_like(widths, also.allowance)
     cut = cut_line(sew_line, inside, widths, corners)
     notches = _notches(patch, sew_line, widths, cut, seams)
-    free = room_for_text(inside, [line for notch in notches for line in notch.lines])
+    drawn, far = make_marks(fitted, marks)
+    lines = [line for notch in notches for line in notch.lines] + [line for mark in drawn for line in mark.lines]
+    free = room_for_text(inside, lines)
     label = name_label(patch.name, _words(*copies, material.name, project), free)
     free = free.difference(label.box)
     runs = []
@@ -174,6 +181,7 @@ def make_piece(
         holes=cut.holes,
         seams=tuple(runs),
         notches=notches,
+        marks=tuple(drawn),
         grain=grain_line(free) if _shows_grain(fitted, material) else None,
         one_way=material.one_way,
         label=label,
@@ -184,6 +192,7 @@ def make_piece(
         warnings=(
             *(_crowded(patch, widths, first, count) for first, count in cut.crowded),
             *_deep_notches(patch, notches),
+            *far,
         ),
     )
 

@@ -11,6 +11,7 @@ import numpy as np
 import yaml
 
 from flatnet.parameters import FittingParameters
+from flatnet.project.marks import read_marks
 from flatnet.project.model import AlsoSpec, CurveSpec, GrainSpec, OpeningSpec, PatchSpec, Problem, SignedCurve
 from flatnet.project.parameters import read_fitting
 from flatnet.project.section import Section
@@ -43,6 +44,7 @@ _PATCH_KEYS = (
     "allowance",
     "wrinkles",
     "also",
+    "marks",
 )
 _ALSO_KEYS = ("cut", "mirrored", "allowance")
 _GRAIN_KEYS = ("along", "from", "to")
@@ -117,6 +119,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         mark=section.mark,
         allowance=section.get("allowance", allowance_in(setting.mm_per_unit), None),
         also=_also(section, setting, material, cut, mirrored),
+        marks=read_marks(section, setting.mm_per_unit),
     )
 
 

@@ -238,6 +238,32 @@ class GrainSpec:
     said: bool = True
 
 
+#: Kinds of marks; the first is what one is of which nothing is said.
+LINE_MARKS = ("line", "stitch", "skive", "stripe", "fold")
+POINT_MARKS = ("drill", "eyelet")
+
+
+@dataclass(frozen=True, eq=False)
+class MarkSpec:
+    """A line or point on a patch that is drawn on its piece and not cut.
+
+    Attributes
+    ----------
+    points : (3,) mm each, on the patch or near it; one for a point.
+    spline : the line is smooth.
+    closed : its last point is joined to the first.
+    diameter : of a hole at a point, mm.
+    """
+
+    name: str
+    kind: str
+    points: tuple[Floats, ...]
+    spline: bool
+    closed: bool
+    diameter: float | None
+    mark: Mark
+
+
 @dataclass(frozen=True)
 class AlsoSpec:
     """The same patch cut from a further material: lining, interfacing.
@@ -267,6 +293,7 @@ class PatchSpec:
     allowance : of its edges whose curves say nothing, mm; None: as its material says.
     wrinkles_expected : it is meant to wrinkle: no warning.
     also : what else is cut of it, one of each material.
+    marks : what is drawn on it.
     """
 
     name: str
@@ -282,6 +309,7 @@ class PatchSpec:
     allowance: float | None = None
     wrinkles_expected: bool = False
     also: tuple[AlsoSpec, ...] = ()
+    marks: tuple[MarkSpec, ...] = ()
 
     @property
     def materials(self) -> tuple[str, ...]:

@@ -193,9 +193,9 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
     def paint(axes: Axes, scale: float) -> None:
         sheet = [np.array([[0, 0], [length, 0], [length, width], [0, width]])]
         axes.add_collection(PolyCollection(sheet, facecolors="#f4f1ea", edgecolors="#999999", clip_on=False))
-        cut, sew, notch, grain = (
+        cut, sew, notch, internal, grain = (
             [line for piece in pieces for line in piece.lines.get(kind, [])]
-            for kind in ("cut", "sew", "notch", "grain")
+            for kind in ("cut", "sew", "notch", "internal", "grain")
         )
         mesh = [edge for piece in pieces for edge in _flat_edges(piece, patches[piece.patch])]
         axes.add_collection(
@@ -206,6 +206,7 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
             PolyCollection(sew, facecolors="none", edgecolors=STROKES["sew"], linewidths=0.6)
         )
         axes.add_collection(LineCollection(notch, colors=STROKES["notch"], linewidths=0.6))
+        axes.add_collection(LineCollection(internal, colors=STROKES["internal"], linewidths=0.5))
         axes.add_collection(LineCollection(grain, colors=STROKES["grain"], linewidths=0.7))
         halo = [withStroke(linewidth=1.5, foreground="white")]
         for piece in pieces:

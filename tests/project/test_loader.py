@@ -112,6 +112,9 @@ def test_patches(tmp_path: Path) -> None:
     np.testing.assert_allclose(front.grain.direction, [0, 0.6, 0.8], rtol=1e-15)
     assert front.min_angles == {"no": np.radians(95.0)}
     assert (front.allowance, disk.allowance) == (8.0, None)
+    pocket, button = front.marks
+    assert (pocket.name, pocket.kind, pocket.spline, pocket.closed) == ("pocket", "stitch", True, True)
+    assert (button.kind, button.diameter, button.points[0].tolist()) == ("eyelet", 4.0, [10, 10, 0])
     assert front.also == (AlsoSpec("felt", 2, 0, 6.0),) and front.materials == ("denim", "felt")
     assert front.fitting == MultiLoopParameters()
     assert disk.fitting == FairParameters(normal_weight=2.0, ramp_steps=20)
@@ -275,6 +278,11 @@ BAD = [
     ("ca]}", "ca], also: {default: {}}}", 10, 36, "'default' is its `material` already"),
     ("ca]}", "ca], also: {default: {cut: 0}}}", 10, 51, "nothing is cut"),
     ("ca]}", "ca], also: {default: {cuts: 1}}}", 10, 46, "did you mean 'cut'?"),
+    ("ca]}", "ca], marks: {m: {}}}", 10, 37, "needs either 'at: [x, y, z]' for a point"),
+    ("ca]}", "ca], marks: {m: {at: [0, 0, 0], closed: yes}}}", 10, 56, "'closed' is for lines only"),
+    ("ca]}", "ca], marks: {m: {points: [[0, 0, 0]]}}}", 10, 49, "a line needs at least 2, 1 more"),
+    ("ca]}", "ca], marks: {m: {points: [[0, 0, 0], [0, 0, 0]]}}}", 10, 49, "point 2 repeats the one before"),
+    ("ca]}", "ca], marks: {m: {at: [0, 0, 0], kind: stitch}}}", 10, 62, "expected 'drill' or 'eyelet'"),
     ("ca]}", "ca], grain: {along: xy}}", 10, 44, "patch 'p': grain: along: there is no curve 'xy'"),
     ("ca]}", "ca], grain: {from: a}}", 10, 36, "'to' is missing; the grain runs along a curve or between two"),
     ("ca]}", "ca], grain: {from: a, to: d}}", 10, 50, "to: no curve passes a node 'd'"),
@@ -407,13 +415,13 @@ def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
 
 
 def test_the_docs_name_every_key_and_parameter() -> None:
-    from flatnet.project import curves, faces, loader, sewing
+    from flatnet.project import curves, faces, loader, marks, sewing
 
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
         *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *faces._ALSO_KEYS,
-            *faces._GRAIN_KEYS, *sewing._NOTCH_KEYS,
+            *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):
