@@ -17,7 +17,15 @@ SQUARE = np.array([[0, 0], [100, 0], [100, 100], [0, 100]], float)
 
 
 def fitted(
-    outline, name="piece", cut=1, mirrored=0, grain=(1.0, 0.0, 0.0), stretches=None, allowance=None, said=True
+    outline,
+    name="piece",
+    cut=1,
+    mirrored=0,
+    grain=(1.0, 0.0, 0.0),
+    stretches=None,
+    allowance=None,
+    said=True,
+    slit_tips=(),
 ) -> FittedPatch:
     """A fitted patch in the plane z = 0 whose flat outline is `outline`, one seam per edge."""
     outline = np.array(outline, float)
@@ -25,7 +33,7 @@ def fitted(
     space = np.column_stack([outline, np.zeros(n)])
     if stretches is None:
         stretches = tuple(Stretch(f"seam_{i}", i, 1, False) for i in range(n))
-    boundary = BoundaryCurve(space, np.tile([0.0, 0.0, 1.0], (n, 1)), stretches, np.zeros(n))
+    boundary = BoundaryCurve(space, np.tile([0.0, 0.0, 1.0], (n, 1)), stretches, np.zeros(n), slit_tips)
     grain = None if grain is None else Grain(np.array(grain), said=said)
     patch = Patch(name, boundary, 8.0, "cloth", cut, mirrored, grain, allowance)
     triangles = _triangles(outline)

@@ -16,7 +16,7 @@ from typing import Literal, NamedTuple
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import Polygon
+from shapely import Geometry, Polygon
 
 from flatnet.project.model import Ends
 
@@ -242,15 +242,20 @@ def _repaired(
     allowances = shapely.union_all([part for part in (*strips, *filled) if part.area > 0.0])
     cut_away = shapely.union_all([Polygon(joint.cut_away) for joint in joints])
     whole = shapely.union(region, shapely.difference(allowances, cut_away))
-    whole = shapely.orient_polygons(max(shapely.get_parts(whole), key=lambda part: part.area))
-    slack = TOUCH * whole.length
-    outer, *holes = (
-        shapely.get_coordinates(shapely.remove_repeated_points(ring, SAME_POINT))[:-1]
-        for ring in (whole.exterior, *(hole for hole in whole.interiors if Polygon(hole).area > slack))
-    )
+    outer, *holes = rings_of(whole)
     middles = shapely.points(0.5 * (outline + following) + out)
     lost = outside & shapely.contains(whole, middles) & (shapely.distance(whole.boundary, middles) > TOUCH)
     return CutLine(outer, tuple(holes), _crowded(outline, lost, widths))
+
+
+def rings_of(region: Geometry) -> list[Floats]:
+    """The outline of a region, anticlockwise, and its holes, clockwise, (k, 2) each, without crumbs of round-off."""
+    whole = shapely.orient_polygons(max(shapely.get_parts(region), key=lambda part: part.area))
+    slack = TOUCH * whole.length
+    return [
+        shapely.get_coordinates(shapely.remove_repeated_points(ring, SAME_POINT))[:-1]
+        for ring in (whole.exterior, *(hole for hole in whole.interiors if Polygon(hole).area > slack))
+    ]
 
 
 def _crowded(outline: Floats, lost: NDArray[np.bool_], widths: Floats) -> tuple[tuple[int, int], ...]:

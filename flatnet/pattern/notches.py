@@ -172,11 +172,11 @@ def notch_on_piece(
     position = edge[0] + fraction * direction
     foot = position + width * outward
     if cut_line.distance(shapely.Point(foot)) > 1e-6:  # the allowance is cut short here, or has no room
-        foot = _way_out(position, outward, cut_line)
+        foot = way_out(position, outward, cut_line)
     return Notch(seam, position, foot, -outward, spec.kind, spec.depth, marks)
 
 
-def _way_out(position: Floats, outward: Floats, cut_line: shapely.Geometry) -> Floats:
+def way_out(position: Floats, outward: Floats, cut_line: shapely.Geometry) -> Floats:
     """Where a ray from the sew line meets the cut line first; where it does not, `position`."""
     far = position + outward * np.ptp(np.reshape(cut_line.bounds, (2, 2)), axis=0).sum()
     met = shapely.get_coordinates(cut_line.intersection(shapely.LineString([position, far])))

@@ -16,6 +16,7 @@ from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import side_lengths
 from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.allowance import TOUCH, Corner, CutLine, cut_line
+from flatnet.pattern.darts import dart_marks, dart_notches, find_darts, fold_darts, with_straight_legs
 from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
 from flatnet.pattern.marks import Mark, make_marks
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
@@ -159,9 +160,15 @@ def make_piece(
     widths, corners = _allowances(patch, material, seams)
     if also is not None and also.allowance is not None:
         widths = np.full_like(widths, also.allowance)
-    cut = cut_line(sew_line, inside, widths, corners)
+    darts = find_darts(patch, sew_line, seams)
+    for dart in darts:
+        widths[dart.edges] = 0.0
+    outline = with_straight_legs(sew_line, darts) if darts else sew_line
+    cut = fold_darts(cut_line(outline, region_of(outline), widths, corners), darts)
     notches = _notches(patch, sew_line, widths, cut, seams)
+    notches += tuple(notch for dart in darts for notch in dart_notches(dart, cut))
     drawn, far = make_marks(fitted, marks)
+    drawn += [mark for dart in darts for mark in dart_marks(dart)]
     lines = [line for notch in notches for line in notch.lines] + [line for mark in drawn for line in mark.lines]
     free = room_for_text(inside, lines)
     label = name_label(patch.name, _words(*copies, material.name, project), free)

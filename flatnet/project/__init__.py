@@ -4,6 +4,7 @@ from flatnet.project.loader import load_project
 from flatnet.project.model import (
     AlsoSpec,
     CurveSpec,
+    DartSpec,
     Ends,
     FormSurface,
     Mark,
@@ -25,6 +26,7 @@ from flatnet.project.model import (
 __all__ = [
     "AlsoSpec",
     "CurveSpec",
+    "DartSpec",
     "Ends",
     "FormSurface",
     "Mark",

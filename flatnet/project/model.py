@@ -158,6 +158,19 @@ class NotchSpec:
 
 
 @dataclass(frozen=True)
+class DartSpec:
+    """A slit that is sewn closed with what opens between its sides folded to one side of the curve's direction.
+
+    Attributes
+    ----------
+    drill : distance of the drill hole from the tip, mm.
+    """
+
+    fold: Literal["left", "right"]
+    drill: float = 10.0
+
+
+@dataclass(frozen=True)
 class SeamSpec:
     """How the pieces along a curve are cut.
 
@@ -166,12 +179,14 @@ class SeamSpec:
     left, right : allowance of the piece on that side of the curve's direction, mm; None: as its patch says.
     ends : how the allowances end at corners.
     notches : None: no notches.
+    dart : None: no dart; a slit is cut open like any seam.
     """
 
     left: float | None = None
     right: float | None = None
     ends: Ends = Ends()
     notches: NotchSpec | None = None
+    dart: DartSpec | None = None
 
 
 @dataclass(frozen=True, eq=False)

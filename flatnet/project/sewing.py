@@ -8,12 +8,13 @@ from typing import Literal, cast
 
 import yaml
 
-from flatnet.project.model import Ends, NotchSpec, SeamSpec
+from flatnet.project.model import DartSpec, Ends, NotchSpec, SeamSpec
 from flatnet.project.section import Section
 from flatnet.project.values import Parser, between, flag, integer, length_in, one_of, wrong
 from flatnet.project.yaml_nodes import is_number, mark_of
 
-SEAM_KEYS = ("allowance", "ends", "notches")
+SEAM_KEYS = ("allowance", "ends", "notches", "dart")
+_DART_KEYS = ("fold", "drill")
 _NOTCH_KEYS = ("every", "at", "nodes", "kind", "marks", "depth")
 _PART = re.compile(r"(\d+(?:\.\d*)?)\s*%", re.ASCII)
 
@@ -22,7 +23,13 @@ def read_seam(section: Section, mm_per_unit: float) -> SeamSpec:
     """What a curve says about its allowances and notches."""
     left, right = _allowances(section, allowance_in(mm_per_unit))
     ends = section.get("ends", _ends_in(mm_per_unit), Ends())
-    return SeamSpec(left, right, ends, _notches(section, mm_per_unit) if "notches" in section.values else None)
+    return SeamSpec(
+        left=left,
+        right=right,
+        ends=ends,
+        notches=_notches(section, mm_per_unit) if "notches" in section.values else None,
+        dart=_dart(section, mm_per_unit) if "dart" in section.values else None,
+    )
 
 
 def allowance_in(mm_per_unit: float) -> Parser[float | None]:
@@ -80,6 +87,20 @@ def _notches(section: Section, mm_per_unit: float) -> NotchSpec:
         marks=inner.get("marks", between(integer, 1, 3), None),
         depth=inner.get("depth", step, usual.depth),
     )
+
+
+def _dart(section: Section, mm_per_unit: float) -> DartSpec:
+    """`dart: left` or `{fold: left, drill: 10}`."""
+    node = section.values["dart"]
+    if "slit" not in section.values:
+        section.problem(node, "dart: only a curve with slit: true can be a dart")
+    sides = one_of("left", "right")
+    if not isinstance(node, yaml.MappingNode):
+        return DartSpec(cast(Literal["left", "right"], section.get("dart", sides, "left")))
+    inner = Section(node, f"{section.title}: dart", mark_of(node), _DART_KEYS, section.problems)
+    fold = inner.require("fold", sides, "left", "the side of the curve that the dart is folded to")
+    drill = inner.get("drill", length_in(mm_per_unit, positive=True), DartSpec.drill)
+    return DartSpec(cast(Literal["left", "right"], fold), drill)
 
 
 def _part(node: yaml.Node) -> float:

@@ -13,6 +13,7 @@ import pytest
 from flatnet.parameters import METHODS, FairParameters, Limits, MultiLoopParameters, NestingParameters
 from flatnet.project import (
     AlsoSpec,
+    DartSpec,
     Ends,
     FormSurface,
     Mark,
@@ -83,7 +84,7 @@ def test_curves(tmp_path: Path) -> None:
     assert curves["dart"].slit
     notches = NotchSpec(60.0, (1.0,), (0.25, 0.5), True, "castle", 2, 3.0)
     assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"), notches)
-    assert curves["dart"].seam == SeamSpec(notches=NotchSpec(every=50.0))
+    assert curves["dart"].seam == SeamSpec(notches=NotchSpec(every=50.0), dart=DartSpec("right", 8.0))
     assert curves["side"].seam == SeamSpec(None, 0.0, Ends("mitre", 25.0))
     assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None))
     assert (curves["hole"].closed, curves["hole"].start) == (True, None)
@@ -250,6 +251,9 @@ BAD = [
     ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {at: 5}", 6, 38, "a list of lengths and percentages"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {marks: 4}", 6, 41, "must be in [1, 3], got 4"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, notches: {kind: t}", 6, 40, "expected 'slit' or 'T'"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, dart: left", 6, 30, "only a curve with slit: true can be a dart"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, dart: {drill: 3}", 6, 30, "'fold' is missing"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, dart: up", 6, 30, "expected 'left' or 'right', got 'up'"),
     ("a, to: b, normals: [0, 0, 1]", "a, to: b", 6, 3, "has no normals, but patch 'p' needs them"),
     ("b, normals: [0, 0, 1]", "b, normals: surface", 6, 33, "normals: surface, but the file has no surface"),
     ("b, normals: [0, 0, 1]", "b, normals: [0, 0, 0]", 6, 33, "a direction must not be [0, 0, 0]"),
@@ -421,7 +425,7 @@ def test_the_docs_name_every_key_and_parameter() -> None:
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
         *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *faces._ALSO_KEYS,
-            *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS,
+            *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS, *sewing._DART_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):
