@@ -10,11 +10,11 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.network.boundaries import make_patch
-from flatnet.network.curves import CurveSamples, place_nodes, sample_curve
+from flatnet.network.curves import CurveSamples, StretchSamples, place_nodes, sample_curve
 from flatnet.network.faces import match_faces
 from flatnet.network.graph import dangling_ends, lone_slits, rotation_system, trace_faces
 from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
-from flatnet.network.normals import stretch_normals
+from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
 from flatnet.project.model import CurveSpec, Problem, Project, ProjectError
 
@@ -79,23 +79,31 @@ def sample_stretches(
     project: Project, places: Mapping[str, Floats], surface: ReferenceSurface | None
 ) -> tuple[dict[str, SampledStretch], list[Problem]]:
     """All stretches of all curves, in the order of the file, and what is wrong with the other curves."""
+    samples: dict[str, CurveSamples] = {}
     stretches: dict[str, SampledStretch] = {}
     problems = []
-    for curve in project.curves.values():
+    for name, curve in project.curves.items():
         try:
-            stretches |= _stretches_of(curve, sample_curve(curve, places, surface, project.chord_tolerance), surface)
+            samples[name] = sample_curve(curve, places, surface, project.chord_tolerance)
+        except GeometryError as found:
+            problems.append(found.problem)
+    on_surface = [name for name in samples if project.curves[name].normals.source == "surface"]
+    of_surface = surface_normals([part for name in on_surface for part in samples[name].stretches], surface)
+    for name, sampled in samples.items():
+        try:
+            stretches |= _stretches_of(project.curves[name], sampled, of_surface)
         except GeometryError as found:
             problems.append(found.problem)
     return stretches, problems
 
 
 def _stretches_of(
-    curve: CurveSpec, samples: CurveSamples, surface: ReferenceSurface | None
+    curve: CurveSpec, samples: CurveSamples, of_surface: Mapping[StretchSamples, Floats]
 ) -> dict[str, SampledStretch]:
     """A curve's stretches with their normals, by name."""
     stretches = {}
     for part in samples.stretches:
-        left, right = stretch_normals(curve, samples, part, surface)
+        left, right = stretch_normals(curve, samples, part, of_surface)
         name = curve.name if len(samples.stretches) == 1 else f"{curve.name}:{part.start}..{part.end}"
         stretches[name] = SampledStretch(
             name, curve.name, part.start, part.end, part.vertices, left, right, curve.slit

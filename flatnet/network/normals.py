@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -17,12 +19,28 @@ Floats = NDArray[np.float64]
 ALONG_EDGE = 1e-3
 
 
+def surface_normals(
+    stretches: Sequence[StretchSamples], surface: ReferenceSurface | None
+) -> dict[StretchSamples, Floats]:
+    """The surface's normals at the middles of the stretches' edges, (k, 3) each; one query, which has its price."""
+    if not stretches:
+        return {}
+    assert surface is not None, "a project that takes normals from a surface has one"
+    middles = [0.5 * (stretch.vertices[:-1] + stretch.vertices[1:]) for stretch in stretches]
+    _, normals = surface.nearest(np.concatenate(middles))
+    return dict(zip(stretches, np.split(normals, np.cumsum([len(each) for each in middles])[:-1]), strict=True))
+
+
 def stretch_normals(
-    curve: CurveSpec, samples: CurveSamples, stretch: StretchSamples, surface: ReferenceSurface | None
+    curve: CurveSpec, samples: CurveSamples, stretch: StretchSamples, of_surface: Mapping[StretchSamples, Floats]
 ) -> tuple[Floats, Floats]:
     """Left and right normals of a stretch's edges, both (k, 3), unit, orthogonal to the edges.
 
     They are one array off creases, and zero where the curve has no normals.
+
+    Parameters
+    ----------
+    of_surface : `surface_normals` of the stretches that take theirs from there.
 
     Raises
     ------
@@ -35,8 +53,7 @@ def stretch_normals(
         none = np.zeros((len(vertices) - 1, 3))
         return none, none
     if spec.source == "surface":
-        assert surface is not None, "a project that takes normals from a surface has one"
-        normals = _orthogonal(curve, stretch, surface.nearest(0.5 * (vertices[:-1] + vertices[1:]))[1])
+        normals = _orthogonal(curve, stretch, of_surface[stretch])
         return normals, normals
     assert spec.left is not None and spec.right is not None, "given normals are given on both sides"
     middles = 0.5 * (stretch.arclengths[:-1] + stretch.arclengths[1:])
