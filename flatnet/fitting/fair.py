@@ -26,8 +26,8 @@ from flatnet.geometry.angle_sums import AngleSums
 from flatnet.geometry.triangles import edge_lengths, hinge_angles, hinges_of, vertex_normals
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import FairParameters
-from flatnet.solvers.band import BandLayout, BandMatrix, BlockSum
 from flatnet.solvers.constrained_descent import solve
+from flatnet.solvers.mesh_cholesky import BlockSum, MeshLayout, MeshMatrix
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -62,24 +62,15 @@ class FlattenableProblem:
         self.sums = AngleSums(triangles, rows, total, least)
         self._stars = self.sums.stars()
         stars = [vertices for _, vertices in self._stars]
-        self.layout = BandLayout(free, [term.elements for term in self.terms] + stars)
-        self._metric_sum = BlockSum(self.layout, [term.unknowns for term in self.terms])
-        self._gram_sum = BlockSum(
-            self.layout, [(3 * star[:, :, None] + np.arange(3)).reshape(len(star), -1) for star in stars]
-        )
+        elements = [term.elements for term in self.terms]
+        points = np.concatenate([planar, np.zeros((boundary_count, 2))])
+        self.layout = MeshLayout(points, free, elements + stars)
+        self._metric_sum = BlockSum(self.layout, elements)
+        self._gram_sum = BlockSum(self.layout, stars)
         self._free = np.repeat(free, 3)
-        self.smoothness = smoothness_matrix(
-            np.concatenate([planar, np.zeros((boundary_count, 2))]), triangles, free
-        )
-        self._constant = self._constant_metric()
-
-    def _constant_metric(self) -> BandMatrix:
-        """Smoothness and Tikhonov: the part of the metric that does not change."""
-        entries = (self.smoothness + TIKHONOV * eye_array(self.smoothness.shape[0])).tocoo()
-        lower = self.layout.row_of[3 * entries.row] >= self.layout.row_of[3 * entries.col]
-        rows, columns, data = entries.row[lower], entries.col[lower], entries.data[lower]
-        slots = [self.layout.slots(3 * rows + axis, 3 * columns + axis) for axis in range(3)]
-        return self.layout.summed(np.concatenate(slots), np.tile(data, 3))
+        self.smoothness = smoothness_matrix(points, triangles, free)
+        # Smoothness and Tikhonov: the part of the metric that does not change.
+        self._constant = self.layout.on_every_axis(self.smoothness + TIKHONOV * eye_array(total))
 
     def constraint(self, x: Floats) -> Floats:
         return self.sums.values(x.reshape(-1, 3))
@@ -94,7 +85,7 @@ class FlattenableProblem:
             total += 0.5 * float(term.energy_weights @ term.residuals(vertices) ** 2)
         return total
 
-    def gradient_and_metric(self, x: Floats) -> tuple[Floats, BandMatrix]:
+    def gradient_and_metric(self, x: Floats) -> tuple[Floats, MeshMatrix]:
         vertices = x.reshape(-1, 3)
         gradient = (self.smoothness @ vertices).ravel()
         jacobians = []
@@ -121,7 +112,7 @@ class FlattenableProblem:
         step[: len(wave)] = (wave / np.abs(wave).max())[:, None] * normals
         return step.ravel()
 
-    def gram(self, jacobian: csr_matrix) -> BandMatrix:
+    def gram(self, jacobian: csr_matrix) -> MeshMatrix:
         """J^T J."""
         rows = [self.sums.star_rows(jacobian, ids, stars.shape[1]) for ids, stars in self._stars]
         return self._gram_sum(rows, [np.ones(len(ids)) for ids, _ in self._stars])

@@ -14,7 +14,6 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix, diags_array
-from scipy.sparse.linalg import spsolve
 
 from flatnet.geometry.derivatives import area_gradients, edge_length_gradients, hinge_angle_gradients
 from flatnet.geometry.laplacian import cotangent_laplacian
@@ -30,6 +29,7 @@ from flatnet.geometry.triangles import (
     vertex_sums,
 )
 from flatnet.parameters import FairParameters
+from flatnet.solvers.symmetric import factored
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -149,7 +149,7 @@ def bump(planar: Floats, triangles: Ints, boundary_count: int) -> Floats:
     inner = slice(boundary_count, None)
     laplacian = cotangent_laplacian(planar, triangles, len(planar))[inner, inner]
     height = np.zeros(len(planar))
-    height[inner] = spsolve(laplacian.tocsc(), lumped_areas(planar, triangles, len(planar))[inner])
+    height[inner] = factored(laplacian).solve(lumped_areas(planar, triangles, len(planar))[inner])
     return height / np.abs(height).max(initial=1e-300)
 
 

@@ -8,11 +8,11 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 from scipy.sparse import eye_array
-from scipy.sparse.linalg import splu
 
 from flatnet.fitting.fair_energy import smoothness_matrix
 from flatnet.fitting.results import FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
 from flatnet.geometry.triangles import edge_lengths, edges_of
+from flatnet.solvers.symmetric import factored
 
 Floats = NDArray[np.float64]
 
@@ -42,12 +42,7 @@ def carried_over(mesh: FlattenableMesh, flat: Floats, planar: PlanarMesh) -> War
     placed = placed_on(mesh, flat, planar)
     n, count = planar.boundary_count, len(planar.positions)
     smoothness = smoothness_matrix(planar.positions / planar.mean_edge, planar.triangles, np.arange(count) >= n)
-    factor = splu(
-        (smoothness[n:, n:] + HOLD * eye_array(count - n)).tocsc(),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
+    factor = factored(smoothness[n:, n:] + HOLD * eye_array(count - n))
     vertices = placed.copy()
     vertices[n:] = factor.solve(HOLD * placed[n:] - smoothness[n:, :n] @ placed[:n])
     return WarpedMesh(vertices, planar.triangles, n)

@@ -5,7 +5,6 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import coo_matrix, csr_matrix
-from scipy.sparse.linalg import splu
 
 from flatnet.failure import PatchFailure
 from flatnet.fitting.results import SurfaceMesh
@@ -18,6 +17,7 @@ from flatnet.geometry.triangles import (
     signed_areas,
     unit,
 )
+from flatnet.solvers.symmetric import factored
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -96,7 +96,7 @@ def _conformal(mesh: SurfaceMesh) -> Floats:
     z = np.zeros(len(vertices), dtype=complex)
     z[second] = np.linalg.norm(rim[second] - rim[first])
     left = matrix[:, free]
-    z[free] = splu((left.conj().T @ left).tocsc()).solve(-(left.conj().T @ (matrix[:, held] @ z[held])))
+    z[free] = factored(left.conj().T @ left).solve(-(left.conj().T @ (matrix[:, held] @ z[held])))
     flat = np.column_stack([z.real, z.imag])
     edges = edges_of(triangles)
     return flat * (edge_lengths(vertices, edges).sum() / edge_lengths(flat, edges).sum())
@@ -116,7 +116,7 @@ def _polish(flat: Floats, mesh: SurfaceMesh) -> Floats:
         strain = edge_lengths(flat, edges) / lengths - 1.0
         data = edge_length_gradients(flat, edges).reshape(len(edges), 4) / lengths[:, None]
         jacobian = csr_matrix((data.ravel(), (rows, unknowns.ravel())), shape=(len(edges), 2 * len(flat)))
-        step = splu((jacobian.T @ jacobian + hold).tocsc()).solve(-(jacobian.T @ strain))
+        step = factored(jacobian.T @ jacobian + hold).solve(-(jacobian.T @ strain))
         flat = flat + step.reshape(-1, 2)
         if np.abs(edge_lengths(flat, edges) / lengths - 1.0 - strain).max() < SETTLED:
             break

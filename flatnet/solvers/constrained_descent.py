@@ -16,7 +16,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.sparse import csr_matrix
 
-from flatnet.solvers.band import BandFactor, BandMatrix
+from flatnet.solvers.mesh_cholesky import MeshFactor, MeshMatrix
 
 Floats = NDArray[np.float64]
 
@@ -45,8 +45,8 @@ class Problem(Protocol):
     def constraint(self, x: Floats) -> Floats: ...
     def jacobian(self, x: Floats) -> csr_matrix: ...
     def energy(self, x: Floats) -> float: ...
-    def gradient_and_metric(self, x: Floats) -> tuple[Floats, BandMatrix]: ...
-    def gram(self, jacobian: csr_matrix) -> BandMatrix: ...
+    def gradient_and_metric(self, x: Floats) -> tuple[Floats, MeshMatrix]: ...
+    def gram(self, jacobian: csr_matrix) -> MeshMatrix: ...
     def kick(self, x: Floats, number: int) -> Floats:
         """A smooth step whose longest vertex move is 1; another one for every number."""
 
@@ -125,7 +125,7 @@ def _soft_ramp(problem: Problem, state: _State, ramp: Floats) -> None:
         state.steps += 1
 
 
-def _factor(metric: BandMatrix, gram: BandMatrix, beta: float) -> BandFactor:
+def _factor(metric: MeshMatrix, gram: MeshMatrix, beta: float) -> MeshFactor:
     """Factor of H + beta J^T J; a tenth of beta as often as round-off asks for it."""
     for _ in range(12):
         factor = metric.plus(gram, beta).factor()
@@ -135,7 +135,7 @@ def _factor(metric: BandMatrix, gram: BandMatrix, beta: float) -> BandFactor:
     raise SingularMetricError
 
 
-def _normal_step(factor: BandFactor, c: Floats, jacobian: csr_matrix, beta: float, rounds: int) -> Floats:
+def _normal_step(factor: MeshFactor, c: Floats, jacobian: csr_matrix, beta: float, rounds: int) -> Floats:
     """min 1/2 d^T H d subject to J d = -c, by `rounds` of the augmented Lagrangian; A = H + beta J^T J."""
     multiplier = np.zeros_like(c)
     step = np.zeros(jacobian.shape[1])
@@ -145,7 +145,7 @@ def _normal_step(factor: BandFactor, c: Floats, jacobian: csr_matrix, beta: floa
     return step
 
 
-def _tangential_step(factor: BandFactor, gradient: Floats, jacobian: csr_matrix, beta: float) -> Floats:
+def _tangential_step(factor: MeshFactor, gradient: Floats, jacobian: csr_matrix, beta: float) -> Floats:
     """min g^T d + 1/2 d^T H d subject to J d = 0, in the same way, two rounds."""
     step = factor.solve(-gradient)
     return factor.solve(-(gradient + beta * (jacobian.T @ (jacobian @ step))))
@@ -189,7 +189,7 @@ def _tangential_and_normal_steps(problem: Problem, state: _State, limit: int) ->
 
 
 def _corrected(
-    problem: Problem, factor: BandFactor, jacobian: csr_matrix, beta: float, x: Floats, target: Floats
+    problem: Problem, factor: MeshFactor, jacobian: csr_matrix, beta: float, x: Floats, target: Floats
 ) -> tuple[Floats, Floats]:
     """Up to two second-order corrections towards c = target with the factor of the step; keeps what helps."""
     c = problem.constraint(x)
