@@ -28,8 +28,8 @@ _Local = list[tuple[float, float]]
 MITRE_LIMIT = 3.5
 #: Sides of a slit lie on each other up to round-off: an overlap narrower than this, mm, is none.
 TOUCH = 1e-3
-#: Points of a repaired cut line nearer than this, mm, are one.
-SAME_POINT = 1e-8
+#: A repaired cut line lies on a grid this fine, mm: with free coordinates GEOS now and then loses a sliver.
+GRID = 1e-7
 #: A turn within this of 180 degrees is a slit's tip, rad.
 TURNS_BACK = 1e-9
 #: The end of an allowance is folded or squared over edges that turn by more than this, rad; at a flatter corner the
@@ -239,9 +239,10 @@ def _repaired(
         if joint.turn > 0.0:  # between strips that part; at inner corners they overlap
             fan = [outline[vertex], outline[vertex] + out[vertex - 1], *joint.points, outline[vertex] + out[vertex]]
             filled.append(Polygon(fan).buffer(0.0))
-    allowances = shapely.union_all([part for part in (*strips, *filled) if part.area > 0.0])
-    cut_away = shapely.union_all([Polygon(joint.cut_away) for joint in joints])
-    whole = shapely.union(region, shapely.difference(allowances, cut_away))
+    parts = np.array([part for part in (*strips, *filled) if part.area > 0.0])
+    allowances = shapely.union_all(parts, grid_size=GRID)
+    cut_away = shapely.union_all([Polygon(joint.cut_away) for joint in joints], grid_size=GRID)
+    whole = shapely.union(region, shapely.difference(allowances, cut_away, grid_size=GRID), grid_size=GRID)
     outer, *holes = rings_of(whole)
     middles = shapely.points(0.5 * (outline + following) + out)
     lost = outside & shapely.contains(whole, middles) & (shapely.distance(whole.boundary, middles) > TOUCH)
@@ -253,7 +254,7 @@ def rings_of(region: Geometry) -> list[Floats]:
     whole = shapely.orient_polygons(max(shapely.get_parts(region), key=lambda part: part.area))
     slack = TOUCH * whole.length
     return [
-        shapely.get_coordinates(shapely.remove_repeated_points(ring, SAME_POINT))[:-1]
+        shapely.get_coordinates(ring)[:-1]
         for ring in (whole.exterior, *(hole for hole in whole.interiors if Polygon(hole).area > slack))
     ]
 

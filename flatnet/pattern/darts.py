@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from shapely import Polygon
 
 from flatnet.network.patch import Patch
-from flatnet.pattern.allowance import TOUCH, CutLine, rings_of
+from flatnet.pattern.allowance import GRID, TOUCH, CutLine, rings_of
 from flatnet.pattern.marks import Mark
 from flatnet.pattern.notches import Notch, way_out
 from flatnet.pattern.seams import Seam
@@ -118,7 +118,7 @@ def fold_darts(cut: CutLine, darts: list[Dart]) -> CutLine:
         near = shapely.Point(tip).buffer(FILLED * dart.length)
         parts.append(Polygon([tip, dart.under[-1], dart.over[-1]]).intersection(near))
     # Parts that meet along a leg leave hairlines of round-off between them, which would be cut.
-    closed = shapely.union_all(shapely.buffer(parts, HAIRLINE, join_style="mitre"))
+    closed = shapely.union_all(shapely.buffer(parts, HAIRLINE, join_style="mitre"), grid_size=GRID)
     outer, *holes = rings_of(closed.buffer(-HAIRLINE, join_style="mitre"))
     return CutLine(outer, tuple(holes), cut.crowded)
 

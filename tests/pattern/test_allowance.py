@@ -202,3 +202,24 @@ def test_at_a_flat_inner_corner_the_wider_allowance_ends_above_the_other(widths)
     inner = np.array([[0, 0], [100, 0], [170, -70], [170, 100], [0, 100]], float)
     made = cut(inner, widths)
     check_distances(inner, np.array(widths, float), made.outline)
+
+
+@pytest.mark.parametrize("first", [0, 25, 540])
+def test_wild_outlines_are_covered_whole_and_reached_no_farther_than_the_mitre(first):
+    for seed in range(first, first + 25):
+        random = np.random.default_rng(seed)
+        count = int(random.integers(3, 40))
+        angle, radius = np.sort(random.uniform(0, 2 * np.pi, count)), random.uniform(20, 150, count)
+        outline = np.column_stack([radius * np.cos(angle), radius * np.sin(angle)])
+        region = shapely.Polygon(outline)
+        if not region.is_valid or not region.exterior.is_ccw:
+            continue
+        widths = random.choice([0.0, 3.0, 10.0, 25.0], count)
+        kinds, sides = ["mitre", "bevel", "mirrored", "square"], ["before", "after"]
+        chosen = random.choice(count, count // 2, replace=False) if seed % 2 else []
+        corners = {int(v): Corner(Ends(random.choice(kinds)), random.choice(sides)) for v in chosen}
+        made = cut(outline, widths, corners)
+        whole = shapely.Polygon(made.outline, made.holes)
+        assert whole.is_valid, seed
+        assert region.difference(whole).area < 1e-4, seed
+        assert shapely.distance(shapely.points(made.outline), region).max() <= 1.2 * MITRE_LIMIT * 25.0, seed
