@@ -19,12 +19,16 @@ from flatnet.fitting.results import FlattenableMesh, PlanarBoundary, PlanarMesh,
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.unfold import unfold
 from flatnet.fitting.warp import warp
+from flatnet.geometry.triangles import corner_angles, vertex_sums
 from flatnet.network.patch import Patch
 from flatnet.parameters import FairParameters
 from flatnet.solvers.constrained_descent import CONVERGED
 
 #: A mesh whose edges have left those of M^p by more than this (root mean square) is meshed anew.
 REMESH_STRAIN = 0.08
+#: A fresh tessellation does not take the place of a mesh without thinner triangles than this, rad, if it ends with
+#: some; triangles at boundary corners sharper than `SHARP` have no choice.
+THIN, SHARP = np.radians(15.0), np.radians(30.0)
 #: The coarsest level has at the most about so many vertices, and each has a quarter of the next finer one's ...
 COARSE_VERTICES = 900
 #: ... but where the boundary's edges are short it may not get below this part of them: then there is one level.
@@ -83,7 +87,7 @@ def _found(
     parameters: FairParameters,
 ) -> FlattenableMesh:
     """M from M^0, meshed anew as long as it is far from the mesh it was found on."""
-    mesh = fit_fair(warped, patch.boundary, planar, parameters)
+    best = mesh = fit_fair(warped, patch.boundary, planar, parameters)
     for _ in range(parameters.remesh_rounds):
         if mesh.status != CONVERGED or rest_strain(planar, mesh) <= REMESH_STRAIN:
             break
@@ -91,7 +95,16 @@ def _found(
         if again is None:
             break
         mesh, planar = again
-    return mesh
+        if _smallest_angle(mesh) >= THIN or _smallest_angle(best) < THIN:
+            best = mesh
+    return replace(best, steps=mesh.steps)
+
+
+def _smallest_angle(mesh: FlattenableMesh) -> float:
+    """Of the triangles' angles at vertices that are not sharp corners of the boundary, rad."""
+    angles = corner_angles(mesh.vertices, mesh.triangles)
+    sums = vertex_sums(mesh.triangles, angles.ravel(), len(mesh.vertices))
+    return float(angles[sums[mesh.triangles] >= SHARP].min(initial=np.pi))
 
 
 def _on_fresh_mesh(
