@@ -16,6 +16,7 @@ from flatnet.network.graph import dangling_ends, lone_slits, rotation_system, tr
 from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
 from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
+from flatnet.network.tangents import normals_from_curves
 from flatnet.project.model import CurveSpec, Problem, Project, ProjectError
 
 Floats = NDArray[np.float64]
@@ -46,7 +47,9 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
     places = place_nodes(project.nodes, project.curves, surface)
     stretches, problems = sample_stretches(project, places, surface)
     refuse(problems + dangling_ends(stretches, places, project.curves))
-    rotation, problems = rotation_system(stretches, project.nodes)
+    stretches, settled, problems = normals_from_curves(stretches, project.curves, project.nodes)
+    refuse(problems)
+    rotation, problems = rotation_system(stretches, project.nodes, settled)
     refuse(problems)
     traced = trace_faces(stretches, rotation)
     refuse(lone_slits(traced, stretches, project.curves))

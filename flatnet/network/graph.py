@@ -104,14 +104,24 @@ def _distance(point: Floats, polyline: Floats) -> float:
 
 
 def rotation_system(
-    stretches: Mapping[str, SampledStretch], nodes: Mapping[str, NodeSpec]
+    stretches: Mapping[str, SampledStretch],
+    nodes: Mapping[str, NodeSpec],
+    known: Mapping[str, list[Dart]] | None = None,
 ) -> tuple[dict[str, list[Dart]], list[Problem]]:
-    """The darts that leave every node, anticlockwise seen against the normals, and what makes that unsure."""
+    """The darts that leave every node, anticlockwise seen against the normals, and what makes that unsure.
+
+    `known` : node -> darts whose order is settled without the normals; others there keep their place among them.
+    """
     rotation = {}
     problems = []
     for node, leaving in darts_at_nodes(stretches).items():
+        settled = (known or {}).get(node, [])
+        if len(settled) == len(leaving):
+            rotation[node] = settled
+            continue
         try:
-            rotation[node] = _order_around(node, leaving, stretches, nodes[node])
+            order = _order_around(node, leaving, stretches, nodes[node])
+            rotation[node] = _settle(order, settled) if settled else order
         except GeometryError as found:
             problems.append(found.problem)
     return rotation, problems
@@ -162,6 +172,18 @@ def _order_around(
             f"{np.degrees(SMALLEST_ANGLE):g} are needed to tell their order); join them or part them",
         )
     return [leaving[i] for i in order]
+
+
+def _settle(order: list[Dart], settled: list[Dart]) -> list[Dart]:
+    """A cyclic order with some of its darts as they are settled, each followed by the same others as before."""
+    start = order.index(settled[0])
+    followers: dict[Dart, list[Dart]] = {}
+    for dart in order[start:] + order[:start]:
+        if dart in settled:
+            last = followers.setdefault(dart, [])
+        else:
+            last.append(dart)
+    return [each for dart in settled for each in (dart, *followers[dart])]
 
 
 def _direction(stretch: SampledStretch, reversed_: bool) -> Floats:

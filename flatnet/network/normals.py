@@ -36,7 +36,8 @@ def stretch_normals(
 ) -> tuple[Floats, Floats]:
     """Left and right normals of a stretch's edges, both (k, 3), unit, orthogonal to the edges.
 
-    They are one array off creases, and zero where the curve has no normals.
+    They are one array off creases, and zero where the curve has no normals or takes them from the curves
+    (`tangents`), which only the whole network can give.
 
     Parameters
     ----------
@@ -49,7 +50,7 @@ def stretch_normals(
     """
     spec = curve.normals
     vertices = stretch.vertices
-    if spec.source == "none":
+    if spec.source in ("none", "curves"):
         none = np.zeros((len(vertices) - 1, 3))
         return none, none
     if spec.source == "surface":

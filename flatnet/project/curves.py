@@ -253,7 +253,10 @@ def _normals(section: Section, has_surface: bool, count: _Count | None) -> Norma
         return NormalSpec("surface" if has_surface else "none", mark=section.mark)
     mark = mark_of(node)
     if isinstance(node, yaml.ScalarNode):
-        if section.read("normals", node, _surface_word, "") and not has_surface:
+        word = section.read("normals", node, _normals_word, "")
+        if word == "curves":
+            return NormalSpec("curves", mark=mark)
+        if word and not has_surface:
             section.problem(node, "normals: surface, but the file has no surface; give a list of normals")
         return NormalSpec("surface" if has_surface else "none", mark=mark)
     if isinstance(node, yaml.MappingNode) and not {"per", "values"} & _texts(node):
@@ -276,10 +279,10 @@ def _texts(node: yaml.MappingNode) -> set[str]:
     return {key.value for key, _ in node.value if isinstance(key, yaml.ScalarNode)}
 
 
-def _surface_word(node: yaml.Node) -> str:
-    if node.value != "surface":
-        raise wrong(node, "'surface', a direction [x, y, z] or a list of directions")
-    return "surface"
+def _normals_word(node: yaml.Node) -> str:
+    if node.value not in ("surface", "curves"):
+        raise wrong(node, "'surface', 'curves', a direction [x, y, z] or a list of directions")
+    return node.value
 
 
 def _normal_list(

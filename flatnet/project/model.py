@@ -99,11 +99,12 @@ class NormalSpec:
 
     Attributes
     ----------
-    source : `surface`, `given`, or `none` (neither a surface nor a list: no patch uses the curve).
+    source : `surface`, `curves` (from the tangents of the network's curves), `given`, or `none` (nothing said and
+        no surface: no patch uses the curve).
     left, right : the lists where given; the same object off creases.
     """
 
-    source: Literal["surface", "given", "none"]
+    source: Literal["surface", "curves", "given", "none"]
     left: NormalList | None = None
     right: NormalList | None = None
     mark: Mark | None = None

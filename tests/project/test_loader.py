@@ -257,7 +257,7 @@ BAD = [
     ("a, to: b, normals: [0, 0, 1]", "a, to: b", 6, 3, "has no normals, but patch 'p' needs them"),
     ("b, normals: [0, 0, 1]", "b, normals: surface", 6, 33, "normals: surface, but the file has no surface"),
     ("b, normals: [0, 0, 1]", "b, normals: [0, 0, 0]", 6, 33, "a direction must not be [0, 0, 0]"),
-    ("b, normals: [0, 0, 1]", "b, normals: up", 6, 33, "expected 'surface', a direction"),
+    ("b, normals: [0, 0, 1]", "b, normals: up", 6, 33, "expected 'surface', 'curves', a direction"),
     ("b, normals: [0, 0, 1]", "b, normals: {left: [0, 0, 1]}", 6, 33, "'right' is missing"),
     ("b, normals: [0, 0, 1]", "b, normals: [[0,0,1],[0,0,1],[0,0,1]]", 6, 33, "3 given, but that fits"),
     ("b, normals: [0, 0, 1]", "b, normals: {per: point, values: [[0,0,1]]}", 6, 54, "expected 2 normals"),
