@@ -87,9 +87,10 @@ def build(
             results = _fit_all(project, network, crew, progress)
             crew.dismiss()
             pieces, results = _make_pieces(project, seams, results)
-            layouts, findings = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
+            layouts, unlaid = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
             named = dict(zip(_layout_files(layouts), layouts, strict=True))
             files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
+            findings = [*project.findings, *unlaid]
             report = make_report(project.name, network, seams, surface, results, named, findings, sorted(files))
             (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
             output.commit(files)

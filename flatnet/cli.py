@@ -20,6 +20,7 @@ from flatnet.project import ProjectError
 from flatnet.report.build_files import BuildFilesError
 from flatnet.report.pictures import PictureError, draw
 from flatnet.report.summary import counted, network_lines, summary_lines
+from flatnet.start import DrawingOptions, faces, new
 from flatnet.version import VERSION
 
 EXIT_INVALID, EXIT_INTERRUPTED = 2, 130
@@ -36,6 +37,13 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 1 if network.failed else 0
         if options.command == "draw":
             _say(str(draw(options.folder, options.picture)), sys.stdout)
+            return 0
+        if options.command == "faces":
+            drawing = DrawingOptions(options.units, options.up, options.snap, options.join_crossings)
+            _say("\n".join(faces(options.network, options.out, drawing).lines), sys.stdout)
+            return 0
+        if options.command == "new":
+            _say("\n".join(new(options.out, options.mesh, options.units, options.up).lines), sys.stdout)
             return 0
         result = _build(options.project, options.out, options.workers)
         _say("\n".join(summary_lines(result.report, result.folder)), sys.stdout)
@@ -94,6 +102,21 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
     command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="else OUT.png")
+    text = "list and draw the faces of a drawing or a project; of a drawing, write a project to start from"
+    command = commands.add_parser("faces", help=text, description=text)
+    text = "a drawing (CSV, DXF, JSON, OBJ, SVG), or a PROJECT.yaml"
+    command.add_argument("network", type=Path, metavar="NETWORK", help=text)
+    text = "project file to write (default: the drawing's name); of a project, the picture"
+    command.add_argument("-o", "--out", type=Path, metavar="FILE", help=text)
+    command.add_argument("--snap", default="", metavar="MM", help="ends this near become one node")
+    command.add_argument("--join-crossings", action="store_true", help="curves that cross get a node there")
+    _add_unit_and_axis(command)
+    text = "write a project to start from: with a patch on a mesh, or a first example"
+    command = commands.add_parser("new", help=text, description=text)
+    text = "project file to write (default: project.yaml)"
+    command.add_argument("out", type=Path, nargs="?", default=Path("project.yaml"), metavar="PROJECT.yaml", help=text)
+    command.add_argument("--mesh", type=Path, metavar="FILE", help="an OBJ, STL or PLY to draw on")
+    _add_unit_and_axis(command)
     return parser
 
 
@@ -101,6 +124,12 @@ def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"expected a number from 1, got {text!r}")
     return int(text)
+
+
+def _add_unit_and_axis(command: argparse.ArgumentParser) -> None:
+    """What a drawing or a mesh does not say of itself."""
+    command.add_argument("--units", default="", help="of the file: mm (default), cm, dm, m, in, or mm per unit")
+    command.add_argument("--up", default="", choices=("x", "y", "z"), help="the file's up axis (default: z)")
 
 
 def _build(project: Path, out: Path, workers: int | None) -> BuildResult:

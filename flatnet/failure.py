@@ -29,6 +29,10 @@ CODES: dict[str, str] = {
     "deep_notch": "a notch is deeper than the allowance that it is cut into",
     "mark_off": "a mark lies off its patch",
     "no_grain": "the grain direction is nowhere along the patch",
+    "snapped_end": "an end of an imported curve was moved to the node where it meets others",
+    "near_miss": "an imported curve ends near another, beyond the tolerance",
+    "trimmed_end": "an imported curve ends inside a face, and that part of it was left out",
+    "crossing_curves": "two imported curves cross",
     "draft_layout": "the nesting engine gave no layout: the pieces are laid in plain rows",
 }
 
@@ -44,7 +48,7 @@ class Finding:
     ----------
     code : a key of `CODES`.
     stage : the stage that found it: network, planar_boundary, tessellation, warp, flattenable_mesh, unfold,
-        fitting (one of those, which is not known), pattern, nesting; of a finished patch, report.
+        fitting (one of those, which is not known), pattern, nesting; of a finished patch, report; of a drawing, import.
     where : the place on the patch in words: curve and mm along it, vertex and coordinates; "" for all of it.
     amount : how much, in `unit`; None where there is nothing to measure.
     message : the whole statement in a sentence.

@@ -10,18 +10,11 @@ from numpy.typing import NDArray
 
 from flatnet.forms.surface import ReferenceSurface, tidy_mesh
 from flatnet.project.model import MeshSurface
+from flatnet.project.values import TO_Z_UP
 
 Floats = NDArray[np.float64]
 
 FORMATS = (".obj", ".ply", ".stl")
-
-#: The file's up axis -> the turn that takes it to z: about x for y, about y for x. So a figure with y up that
-#: looks along +z looks along -y afterwards.
-TO_Z_UP: dict[str, Floats] = {
-    "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
-    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
-    "z": np.eye(3),
-}
 
 
 class MeshFileError(ValueError):

@@ -10,9 +10,10 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.network.boundaries import make_patch
+from flatnet.network.casting import cast_drawings
 from flatnet.network.curves import CurveSamples, StretchSamples, place_nodes, sample_curve
 from flatnet.network.faces import match_faces
-from flatnet.network.graph import dangling_ends, lone_slits, rotation_system, trace_faces
+from flatnet.network.graph import TracedFaces, dangling_ends, lone_slits, rotation_system, trace_faces
 from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
 from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
@@ -40,19 +41,7 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
         in `failed`.
     """
 
-    def refuse(problems: list[Problem]) -> None:
-        if problems:
-            raise ProjectError(project.file, problems)
-
-    places = place_nodes(project.nodes, project.curves, surface)
-    stretches, problems = sample_stretches(project, places, surface)
-    refuse(problems + dangling_ends(stretches, places, project.curves))
-    stretches, settled, problems = normals_from_curves(stretches, project.curves, project.nodes)
-    refuse(problems)
-    rotation, problems = rotation_system(stretches, project.nodes, settled)
-    refuse(problems)
-    traced = trace_faces(stretches, rotation)
-    refuse(lone_slits(traced, stretches, project.curves))
+    places, stretches, traced = trace_network(project, surface)
     matched, problems = match_faces(project, stretches, traced)
 
     patches: list[Patch] = []
@@ -64,7 +53,7 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
             patches.append(made)
         elif made is not None:
             failed.append(made)
-    refuse(list(dict.fromkeys(problems)))
+    _refuse(project, list(dict.fromkeys(problems)))
     return CurveNetwork(
         nodes=places,
         stretches=stretches,
@@ -76,6 +65,34 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
         face_count=len(traced.faces),
         euler_characteristics=traced.euler_characteristics,
     )
+
+
+def trace_network(
+    project: Project, surface: ReferenceSurface | None
+) -> tuple[dict[str, Floats], dict[str, SampledStretch], TracedFaces]:
+    """The places of a project's nodes, its sampled stretches with normals, and all loops that they make.
+
+    Raises
+    ------
+    ProjectError
+        As `make_network`, but for what concerns patches.
+    """
+    project = cast_drawings(project, surface)
+    places = place_nodes(project.nodes, project.curves, surface)
+    stretches, problems = sample_stretches(project, places, surface)
+    _refuse(project, problems + dangling_ends(stretches, places, project.curves))
+    stretches, settled, problems = normals_from_curves(stretches, project.curves, project.nodes)
+    _refuse(project, problems)
+    rotation, problems = rotation_system(stretches, project.nodes, settled)
+    _refuse(project, problems)
+    traced = trace_faces(stretches, rotation)
+    _refuse(project, lone_slits(traced, stretches, project.curves))
+    return places, stretches, traced
+
+
+def _refuse(project: Project, problems: list[Problem]) -> None:
+    if problems:
+        raise ProjectError(project.file, problems)
 
 
 def sample_stretches(

@@ -31,7 +31,7 @@ def match_faces(
     (unless the project says `rest: openings`); no patch at all. Where a closed curve without node is the whole
     network, the side of it that is not listed is open without further word.
     """
-    matcher = _Matcher(stretches, traced.faces)
+    matcher = FaceMatcher(stretches, traced.faces)
     problems: list[Problem] = []
     owner: dict[Face, str] = {}
     found: dict[str, dict[str, tuple[tuple[Dart, ...], ...]]] = {"patch": {}, "opening": {}}
@@ -64,7 +64,7 @@ def match_faces(
     return MatchedFaces(found["patch"], found["opening"]), problems
 
 
-class _Matcher:
+class FaceMatcher:
     """Reads an `around` against the traced faces, and writes a face as an `around`."""
 
     def __init__(self, stretches: Mapping[str, SampledStretch], faces: Sequence[Face]) -> None:
@@ -134,7 +134,7 @@ class _Matcher:
 def _unlisted(
     project: Project,
     stretches: Mapping[str, SampledStretch],
-    matcher: _Matcher,
+    matcher: FaceMatcher,
     rest: Sequence[Face],
     parts: int,
 ) -> Problem:

@@ -4,11 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from pathlib import Path
 from typing import Any, Literal, cast
 
 import numpy as np
 import yaml
 
+from flatnet.project.drawings import READERS
+from flatnet.project.imports import ImportedCurve, read_drawing_at
 from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec
 from flatnet.project.section import Section
 from flatnet.project.sewing import SEAM_KEYS, read_seam
@@ -27,6 +30,7 @@ from flatnet.project.values import (
 from flatnet.project.yaml_nodes import mark_of
 
 _NODE_KEYS = ("at", "on")
+_DRAWN_KEYS = ("kind", "on", "slit", "edge_length", "normals", *SEAM_KEYS)
 _CURVE_KEYS = ("from", "to", "points", "closed", "kind", "on", "slit", "edge_length", "normals", *SEAM_KEYS)
 #: Points nearer than this, in edge lengths, are the same place.
 _SAME_PLACE = 1e-6
@@ -40,6 +44,7 @@ _NOWHERE = frozen(np.full(3, np.nan))
 class CurveSetting:
     """What the rest of the file means for its curves: its unit, surface, edge length (mm) and nodes."""
 
+    file: Path
     mm_per_unit: float
     has_surface: bool
     edge_length: float
@@ -57,12 +62,17 @@ class _Place:
     yaml_node: yaml.Node
 
 
-def read_nodes(sections: Section, mm_per_unit: float, has_surface: bool) -> dict[str, NodeSpec]:
-    """The section `nodes` -> name -> node, in file order; two at one place are a problem."""
+def read_nodes(
+    sections: Section, mm_per_unit: float, has_surface: bool, imported: Mapping[str, NodeSpec]
+) -> dict[str, NodeSpec]:
+    """The nodes of the imports and those of the section, in file order; two at one place are a problem."""
     point = point_in(mm_per_unit)
-    nodes: dict[str, NodeSpec] = {}
-    first: dict[tuple[Any, ...], str] = {}
+    nodes = dict(imported)
+    first: dict[tuple[Any, ...], str] = {(False, *node.position.tolist()): key for key, node in imported.items()}
     for key, mark, node in sections.named():
+        if key in imported:
+            sections.problem(mark, f"{key!r} is a node of an import too; give that a prefix, or this another name")
+            continue
         on_surface = False
         if isinstance(node, yaml.MappingNode):
             section = Section(node, f"node {key!r}", mark, _NODE_KEYS, sections.problems)
@@ -88,28 +98,41 @@ def _on_surface(section: Section, has_surface: bool) -> bool:
     return on_surface
 
 
-def read_curves(sections: Section, setting: CurveSetting) -> dict[str, CurveSpec]:
-    """The section `curves` -> name -> curve, in file order."""
+def read_curves(
+    sections: Section, setting: CurveSetting, imported: Mapping[str, ImportedCurve]
+) -> dict[str, CurveSpec]:
+    """The curves of the imports, as the section changes them where it names them, and the section's own."""
+    given = {key: (mark, node) for key, mark, node in sections.named()}
     curves = {}
-    for key, mark, node in sections.named():
-        section = Section(node, f"curve {key!r}", mark, _CURVE_KEYS, sections.problems)
-        curves[key] = _curve(key, section, setting)
+    for key, drawn in imported.items():
+        mark, node = given.get(key, (drawn.section.mark, yaml.MappingNode("", [])))
+        section = Section(node, f"curve {key!r}", mark, _DRAWN_KEYS, sections.problems)
+        for word in ("on", "normals", "edge_length"):  # said of all curves of the import
+            if word in drawn.section.values:
+                section.values.setdefault(word, drawn.section.values[word])
+        curves[key] = _curve(key, section, setting, drawn)
+    for key, (mark, node) in given.items():
+        if key not in imported:
+            section = Section(node, f"curve {key!r}", mark, _CURVE_KEYS, sections.problems)
+            curves[key] = _curve(key, section, setting)
     return curves
 
 
-def _curve(key: str, section: Section, setting: CurveSetting) -> CurveSpec:
-    kind = section.get("kind", one_of("polyline", "spline"), "polyline")
-    on_surface = _on_surface(section, setting.has_surface)
+def _curve(key: str, section: Section, setting: CurveSetting, drawn: ImportedCurve | None = None) -> CurveSpec:
+    usual: str = drawn.kind if drawn else "polyline"
+    kind = section.get("kind", one_of("polyline", "spline"), usual)
+    cast_along = drawn.cast if drawn else None
+    on_surface = _on_surface(section, setting.has_surface) or cast_along is not None
     edge_length = section.get(
         "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
     )
-    places = _places(section, setting, on_surface)
-    closed = _is_closed(section, places)
+    places = _drawn_places(drawn, section, setting, on_surface) if drawn else _places(section, setting, on_surface)
+    closed = drawn.curve.closed if drawn else _is_closed(section, places)
     slit = section.get("slit", flag, False)
     if slit and closed:
         section.problem(section.values["slit"], "a closed curve can't be a slit: it has no tip")
     positions = np.array([place.position for place in places]).reshape(-1, 3)
-    joined = closed and "from" not in section.values  # the last point to the first
+    joined = closed and not (places and places[0].label == "from")  # the last point to the first
     path = np.concatenate([positions, positions[:1]]) if joined else positions
     _check_places(section, places, path, closed, edge_length)
     readable = len(places) > 0 and all(place.label != "points" for place in places)
@@ -133,7 +156,25 @@ def _curve(key: str, section: Section, setting: CurveSetting) -> CurveSpec:
         normals=normals,
         mark=section.mark,
         seam=read_seam(section, setting.mm_per_unit),
+        cast=cast_along,
     )
+
+
+def _drawn_places(
+    drawn: ImportedCurve, section: Section, setting: CurveSetting, on_surface: bool
+) -> list[_Place]:
+    """The nodes and points of an imported curve; problems with them stand where the file is named."""
+    node = drawn.section.values["file"]
+    last = len(drawn.curve.places) - 1
+    places = []
+    for i, place in enumerate(drawn.curve.places):
+        if isinstance(place, str):
+            spec = setting.nodes[place]
+            label = "from" if i == 0 else "to" if i == last else f"point {i}"
+            places.append(_Place(label, place, spec.position, on_surface or spec.on_surface, node))
+        else:
+            places.append(_Place(f"point {i}", None, frozen(np.array(place)), on_surface, node))
+    return places
 
 
 def _places(section: Section, setting: CurveSetting, on_surface: bool) -> list[_Place]:
@@ -154,11 +195,45 @@ def _places(section: Section, setting: CurveSetting, on_surface: bool) -> list[_
     places = [place("from", section.values["from"])] if "from" in section.values else []
     if "points" in section.values:
         node = section.values["points"]
-        items = section.items("points", node, "a list of points and nodes")
-        places += [place(label.replace("points, item", "point"), item) for label, item in items]
-        if not isinstance(node, yaml.SequenceNode):
-            places.append(_Place("points", None, _NOWHERE, on_surface, node))
-    return places + ([place("to", section.values["to"])] if "to" in section.values else [])
+        if isinstance(node, yaml.ScalarNode) and Path(node.value).suffix.lower() in READERS:
+            places += _file_points(section, setting, on_surface, node)
+        else:
+            items = section.items("points", node, "a list of points and nodes, or the path of a drawing")
+            places += [place(label.replace("points, item", "point"), item) for label, item in items]
+            if not isinstance(node, yaml.SequenceNode):
+                places.append(_Place("points", None, _NOWHERE, on_surface, node))
+    if "to" not in section.values:
+        return places
+    to = place("to", section.values["to"])
+    if len(places) > 1 and places[-1].yaml_node is section.values["points"]:
+        places = _without_ends(places, to, _SAME_PLACE * setting.edge_length)
+    return [*places, to]
+
+
+def _file_points(section: Section, setting: CurveSetting, on_surface: bool, node: yaml.Node) -> list[_Place]:
+    """The points of the one curve of a drawing; a closed one's first point is not repeated."""
+    curves = read_drawing_at(setting.file, section, "points", node)
+    if len(curves) != 1:
+        if curves:
+            found = f"{node.value} has {len(curves)} curves, and one is wanted"
+            section.problem(node, f"points: {found}; import: {{file: ...}} takes all")
+        return [_Place("points", None, _NOWHERE, on_surface, node)]
+    points = setting.mm_per_unit * curves[0].points[: -1 if curves[0].closed else None]
+    return [_Place(f"point {i}", None, frozen(point), on_surface, node) for i, point in enumerate(points, 1)]
+
+
+def _without_ends(places: list[_Place], to: _Place, same: float) -> list[_Place]:
+    """from and a drawing's points, less those that repeat from and to."""
+
+    def repeats(point: _Place, node: _Place) -> bool:
+        return float(np.linalg.norm(point.position - node.position)) <= same
+
+    start, *points = places
+    if points and repeats(points[0], start):
+        points = points[1:]
+    if points and repeats(points[-1], to):
+        points = points[:-1]
+    return [start, *points]
 
 
 def _is_closed(section: Section, places: list[_Place]) -> bool:
@@ -217,6 +292,11 @@ def _note_repeat(section: Section, places: list[_Place], i: int) -> None:
     """Place i and the next are the same, unless only one of them will be moved to the surface."""
     a, b = places[i], places[(i + 1) % len(places)]
     if a.projected != b.projected:
+        return
+    if a.yaml_node is b.yaml_node and not isinstance(a.yaml_node, yaml.SequenceNode):
+        message = f"{a.label} and {b.label} of the drawing are at the same place for edges as long as edge_length"
+        if not any(problem.message.startswith(section.title) for problem in section.problems):
+            section.problem(a.yaml_node, message)
         return
     if i + 1 == len(places):
         message = f"{a.label} repeats {b.label}: the last point is joined to the first; leave it out"

@@ -12,6 +12,7 @@ import yaml
 from flatnet.parameters import FairParameters, Limits, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves, read_nodes
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
+from flatnet.project.imports import read_imports
 from flatnet.project.model import FormSurface, Material, MeshSurface, Problem, Project, ProjectError
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
 from flatnet.project.section import Section
@@ -28,7 +29,7 @@ from flatnet.project.values import (
     unit,
     wrong,
 )
-from flatnet.project.yaml_nodes import compose, describe, is_number, mark_of, tree_problems
+from flatnet.project.yaml_nodes import compose, describe, is_number, mark_of, read_text, tree_problems
 
 _FORMAT = 1
 _TOP_KEYS = (
@@ -39,6 +40,7 @@ _TOP_KEYS = (
     "edge_length",
     "chord_tolerance",
     "surface",
+    "import",
     "nodes",
     "curves",
     "patches",
@@ -69,7 +71,18 @@ def load_project(path: str | Path) -> Project:
         With every problem of the file that it shows without its geometry.
     """
     file = Path(path)
-    root = compose(file)
+    return parse_project(file, read_text(file))
+
+
+def parse_project(file: Path, text: str) -> Project:
+    """Read and check the text of a project file that stands, or is to stand, at `file`.
+
+    Raises
+    ------
+    ProjectError
+        As `load_project`.
+    """
+    root = compose(file, text)
     problems = tree_problems(root)
     top = Section(root, "", mark_of(root), _TOP_KEYS, problems)
     hint = f"the version of the format; write 'flatnet: {_FORMAT}'"
@@ -88,10 +101,14 @@ def _project(file: Path, top: Section) -> Project:
     size = length_in(mm_per_unit, positive=True)
     edge_length = top.require("edge_length", size, np.nan, "the target length of mesh edges")
     has_surface = "surface" in top.values
-    nodes = read_nodes(top.section("nodes", None), mm_per_unit, has_surface)
-    curve_setting = CurveSetting(mm_per_unit, has_surface, edge_length, nodes)
+    already = len(top.problems)
+    imports = read_imports(file, top, mm_per_unit, edge_length, has_surface)
+    if len(top.problems) > already:  # every curve of it would be missed, one by one
+        raise ProjectError(file, top.problems)
+    nodes = read_nodes(top.section("nodes", None), mm_per_unit, has_surface, imports.nodes)
+    curve_setting = CurveSetting(file, mm_per_unit, has_surface, edge_length, nodes)
     curve_sections = top.section("curves", None)
-    curves = read_curves(curve_sections, curve_setting)
+    curves = read_curves(curve_sections, curve_setting, imports.curves)
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
     materials = _materials(top.section("materials", None), mm_per_unit)
@@ -109,6 +126,7 @@ def _project(file: Path, top: Section) -> Project:
         edge_length=edge_length,
         chord_tolerance=top.get("chord_tolerance", size, edge_length * _CHORD_TOLERANCE),
         surface=_surface(file, top, mm_per_unit) if has_surface else None,
+        findings=imports.findings,
         nodes=nodes,
         curves=curves,
         patches=patches,

@@ -10,6 +10,7 @@ from typing import Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.failure import Finding
 from flatnet.parameters import FittingParameters, Limits, NestingParameters
 
 Floats = NDArray[np.float64]
@@ -70,12 +71,16 @@ class MeshSurface:
 
 @dataclass(frozen=True, eq=False)
 class NodeSpec:
-    """A node as the file gives it; `position` (3,) mm, taken to the surface where `on_surface` says so."""
+    """A node as the file gives it; `position` (3,) mm, taken to the surface where `on_surface` says so.
+
+    `cast` : the direction in which it is cast onto the surface first, unit; None where it is not.
+    """
 
     name: str
     position: Floats
     on_surface: bool
     mark: Mark
+    cast: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -201,6 +206,7 @@ class CurveSpec:
     closed : the last point is joined to the first.
     edge_length : target length of its edges, mm.
     seam : how the pieces along it are cut.
+    cast : direction in which its points are cast onto the surface, unit, if they are.
     """
 
     name: str
@@ -215,6 +221,7 @@ class CurveSpec:
     normals: NormalSpec
     mark: Mark
     seam: SeamSpec = SeamSpec()
+    cast: Floats | None = None
 
     @property
     def nodes(self) -> list[str]:
@@ -368,7 +375,10 @@ class Material:
 
 @dataclass(frozen=True, eq=False)
 class Project:
-    """A project file that has been read and checked on its own; what only the geometry tells comes later."""
+    """A project file that has been read and checked on its own; what only the geometry tells comes later.
+
+    `findings` : what was done to the curves of drawings that it imports.
+    """
 
     file: Path
     name: str
@@ -384,6 +394,7 @@ class Project:
     size: str = ""
     nesting: NestingParameters = field(default_factory=NestingParameters)
     limits: Limits = field(default_factory=Limits)
+    findings: tuple[Finding, ...] = ()
 
     @property
     def title(self) -> str:

@@ -20,6 +20,13 @@ Parser = Callable[[yaml.Node], T]
 
 #: Units of length by name, mm.
 UNITS = {"mm": 1.0, "cm": 10.0, "dm": 100.0, "m": 1000.0, "in": 25.4}
+#: A file's up axis -> the turn that takes it to z: about x for y, about y for x. So a figure with y up that
+#: looks along +z looks along -y afterwards.
+TO_Z_UP: dict[str, Floats] = {
+    "x": np.array([[0.0, 0.0, -1.0], [0.0, 1.0, 0.0], [1.0, 0.0, 0.0]]),
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0], [0.0, 1.0, 0.0]]),
+    "z": np.eye(3),
+}
 #: A name: letters, digits and _, with single . or - between them. Neither `-` at the front nor `:` nor `..`,
 #: so that `-curve:from..to` has one meaning.
 NAME = r"\w+(?:[.-]\w+)*"

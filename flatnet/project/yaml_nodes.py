@@ -24,15 +24,14 @@ _NUMBER = re.compile(r"[-+]?(\d+(\.\d*)?|\.\d+)([eE][-+]?\d+)?", re.ASCII)
 _LONGEST_QUOTE = 60
 
 
-def compose(file: Path) -> yaml.MappingNode:
-    """The top mapping of a file.
+def compose(file: Path, text: str) -> yaml.MappingNode:
+    """The top mapping of a file's text.
 
     Raises
     ------
     ProjectError
-        The file can't be read, is no UTF-8, no YAML, empty, or no mapping.
+        It is no YAML, empty, or no mapping.
     """
-    text = _read(file)
     try:
         root = yaml.compose(text, Loader=yaml.SafeLoader)
     except yaml.MarkedYAMLError as error:
@@ -58,7 +57,14 @@ def compose(file: Path) -> yaml.MappingNode:
     return root
 
 
-def _read(file: Path) -> str:
+def read_text(file: Path) -> str:
+    """The text of a file.
+
+    Raises
+    ------
+    ProjectError
+        The file can't be read, or is no UTF-8.
+    """
     if os.path.isdir(file):  # unlike Path.is_dir it takes any text without raising
         raise ProjectError(file, [Problem(None, "is a folder; name the project file in it")])
     try:

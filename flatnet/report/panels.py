@@ -230,7 +230,9 @@ def _name(piece: DrawnPiece, scale: float) -> Label:
     inside = shapely.Polygon(piece.lines["sew"][0] * scale)
     grain = shapely.MultiLineString([line * scale for line in piece.lines.get("grain", [])])
     texts = line_breaks(f"{piece.patch}{' (mirrored)' * piece.mirrored}")
-    return fitting_label(texts, inside.difference(grain.buffer(1.5)), NAME_SIZES)
+    free = inside.difference(grain.buffer(1.5))
+    # A piece may be as narrow as its arrow is drawn.
+    return fitting_label(texts, inside if free.is_empty else free, NAME_SIZES)
 
 
 def _box(points: Floats) -> tuple[Floats, Floats]:

@@ -1,9 +1,12 @@
-"""Draw a build as one picture, a PNG, from the files that it wrote."""
+"""Draw a build as one picture, a PNG, from the files that it wrote; or the faces of a network."""
 
 from __future__ import annotations
 
+from collections.abc import Iterator
+from contextlib import contextmanager
 from pathlib import Path
 
+from flatnet.network.listing import FaceList
 from flatnet.report.build_files import read_build
 
 
@@ -29,16 +32,43 @@ def draw(folder: str | Path, picture: str | Path | None = None) -> Path:
     """
     folder = Path(folder).resolve()
     picture = folder.with_name(f"{folder.name}.png") if picture is None else Path(picture)
+    _check_name(picture)
+    build = read_build(folder)
+    with _matplotlib():
+        from flatnet.report.contact_sheet import contact_sheet
+    return _write(picture, contact_sheet(build))
+
+
+def draw_faces(listed: FaceList, picture: Path) -> Path:
+    """Draw a network from two sides, its faces in colours, with the names of faces and curves; `.png`.
+
+    Raises
+    ------
+    PictureError
+        matplotlib is missing, or the file can't be written.
+    """
+    _check_name(picture)
+    with _matplotlib():
+        from flatnet.report.face_picture import face_picture
+    return _write(picture, face_picture(listed))
+
+
+def _check_name(picture: Path) -> None:
     if picture.suffix.lower() != ".png":
         raise PictureError(f"{picture}: a picture is a PNG; name a file that ends in .png")
-    build = read_build(folder)
+
+
+@contextmanager
+def _matplotlib() -> Iterator[None]:
     try:
-        from flatnet.report.contact_sheet import contact_sheet
+        yield
     except ModuleNotFoundError as error:
         if not (error.name or "").startswith("matplotlib"):
             raise
         raise PictureError("drawing needs matplotlib: pip install matplotlib") from None
-    content = contact_sheet(build)
+
+
+def _write(picture: Path, content: bytes) -> Path:
     try:
         picture.write_bytes(content)
     except OSError as error:

@@ -2,11 +2,15 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
 from flatnet.network.network import CurveNetwork
 from flatnet.project.model import Project
+
+#: Warnings of one code that the terminal shows, those with the largest amounts.
+MOST_SHOWN = 20
 
 
 def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
@@ -15,7 +19,7 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
     lines = [_patch_line(patch, width) for patch in report["patches"]]
     for patch in report["patches"]:
         lines += [f"{patch['name']}: warning {_told(warning)}" for warning in patch["warnings"]]
-    lines += [f"warning {_told(finding)}" for finding in report["findings"] if not finding["patch"]]
+    lines += _warnings([finding for finding in report["findings"] if not finding["patch"]])
     for layout in report["layouts"]:
         lines.append(
             f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {layout['sheet_width_mm']:g} x "
@@ -40,6 +44,18 @@ def _patch_line(patch: dict[str, Any], width: int) -> str:
     )
 
 
+def _warnings(findings: Sequence[dict[str, Any]]) -> list[str]:
+    """A line for every finding, but for what there are many of: those of the largest amounts."""
+    lines = []
+    for code in dict.fromkeys(finding["code"] for finding in findings):
+        alike = [finding for finding in findings if finding["code"] == code]
+        shown = sorted(alike, key=lambda finding: -(finding.get("amount") or 0.0))[:MOST_SHOWN]
+        lines += [f"warning {_told(finding)}" for finding in alike if finding in shown]
+        if len(alike) > len(shown):
+            lines.append(f"warning {code}: {len(alike) - len(shown)} more, all smaller, are in report.json")
+    return lines
+
+
 def _told(finding: dict[str, Any]) -> str:
     return f"{finding['code']}: {finding['message']} {finding['remedy']}".rstrip()
 
@@ -51,6 +67,7 @@ def network_lines(project: Project, network: CurveNetwork) -> list[str]:
         seams = ", ".join(("-" if s.reversed else "") + s.seam for s in patch.boundary.stretches)
         lines.append(f"{patch.name}: {len(patch.boundary.vertices)} boundary edges along {seams}")
     lines += [str(finding) for finding in network.failed]
+    lines += [f"warning {finding}" for finding in project.findings]
     curves = {stretch.curve for stretch in network.stretches.values()}
     euler = ", ".join(map(str, network.euler_characteristics))
     not_fitted = f", of which {len(network.failed)} can't be made" if network.failed else ""

@@ -237,7 +237,7 @@ BAD = [
     ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [[1,0,0],[1,0,0]]", 6, 41, "place as point 1"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [c, [1,1,0], c]", 6, 45, "passes node 'c' twice"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, points: [1, 2, 3]", 6, 33, "a point is a list [x, y, z]"),
-    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: c", 6, 32, "a list of points and nodes, got"),
+    ("ab: {from: a, to: b", "ab: {from: a, to: b, points: c", 6, 32, "a list of points and nodes, or the path of"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, edge_length: 1e-6", 6, 3, "are 'units' and 'edge_length'"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, on: surface", 6, 28, "the file has no surface"),
     ("ab: {from: a, to: b", "ab: {from: a, to: b, kind: splin", 6, 30, "did you mean 'spline'?"),
@@ -419,13 +419,14 @@ def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
 
 
 def test_the_docs_name_every_key_and_parameter() -> None:
-    from flatnet.project import curves, faces, loader, marks, sewing
+    from flatnet.project import curves, faces, imports, loader, marks, sewing
 
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
         *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *faces._ALSO_KEYS,
-            *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS, *sewing._DART_KEYS,
+        *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS, *sewing._DART_KEYS,
+        *imports._IMPORT_KEYS, *imports._PLACE_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):
