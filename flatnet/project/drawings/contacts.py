@@ -166,13 +166,18 @@ class Joints:
     def crossings(self, distance: float) -> list[Crossing]:
         """Where curves pass each other within a distance and have no node in common there."""
         found: list[Crossing] = []
-        common = [(self.place(group), {contact[0] for contact in group}) for group in self.groups()]
+        groups = self.groups()
+        meet = [{curve for curve, _ in group} for group in groups]
+        tree = cKDTree(np.array([self.place(group) for group in groups]).reshape(-1, 3))
         reach = max(COMES_BACK * distance, self.same)
         for crossing in self.segments.crossings(max(distance, self.same)):
             pair = {crossing.first[0], crossing.second[0]}
-            if not any(pair <= curves and np.linalg.norm(crossing.place - p) <= reach for p, curves in common):
+            known = any(pair <= meet[i] for i in tree.query_ball_point(crossing.place, reach))
+            if not known and not any(
+                pair == {other.first[0], other.second[0]} and np.linalg.norm(crossing.place - other.place) <= reach
+                for other in found
+            ):
                 found.append(crossing)
-                common.append((crossing.place, pair))
         return found
 
     def join_crossing(self, crossing: Crossing) -> None:
