@@ -18,9 +18,11 @@ from scipy.interpolate import PchipInterpolator
 from scipy.special import ellipe
 
 from flatnet.forms.measurements import MeasurementError, read_measurements
-from flatnet.forms.surface import ReferenceSurface, tidy_mesh
+from flatnet.forms.surface import Line, ReferenceSurface, tidy_mesh
+from flatnet.geometry.chains import boundary_edges, chains
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 #: Edge length of the mesh, mm: chords leave the ellipses by less than 0.1 mm.
 GRID = 4.0
@@ -120,8 +122,18 @@ PROPORTIONS = {
 CROTCH_OVER_THIGH = 1.07
 
 
+#: Levels whose ring goes round the body, and round a leg. At the crotch the legs touch: there is no ring.
+BODY_RINGS = ("waist", "hip")
+LEG_RINGS = ("thigh", "knee", "calf", "ankle")
+
+
 def mannequin(measurements: Mapping[str, float | str]) -> ReferenceSurface:
     """The surface of a `LowerBody`: each girth (length of a tape around it), rise and inseam are met.
+
+    Its lines are the rings at the measured levels, from the front over the outside to the back, the lines
+    `front`, `outside`, `back`, `inside` down a leg, and the rises in the sagittal plane. Its landmarks are where
+    these meet (`knee_front`, `waist_centre_back`), and the `crotch`. Of both halves together, what belongs to one
+    half has `left_` or `right_` before its name.
 
     Raises
     ------
@@ -129,14 +141,41 @@ def mannequin(measurements: Mapping[str, float | str]) -> ReferenceSurface:
         Unknown names, impossible values.
     """
     body = read_measurements(LowerBody, measurements)
-    vertices, triangles = _right_half(body)
-    mirrored = vertices * [-1.0, 1.0, 1.0], triangles[:, ::-1]
+    grid = _grid(body)
+    vertices, triangles = _right_half(grid)
+    landmarks, lines = _marks(body, grid, vertices, triangles)
+    mirrored = _mirror(vertices), triangles[:, ::-1]
+    mirrored_landmarks = {name: _mirror(point) for name, point in landmarks.items()}
+    mirrored_lines = {name: _mirror(points) for name, points in lines.items()}
     if body.half == "left":
         vertices, triangles = mirrored
+        landmarks, lines = mirrored_landmarks, mirrored_lines
     elif body.half == "both":
         triangles = np.concatenate([triangles, mirrored[1] + len(vertices)])
         vertices = np.concatenate([vertices, mirrored[0]])
-    return ReferenceSurface(tidy_mesh(vertices, triangles))
+        landmarks = _of_both(landmarks, mirrored_landmarks)
+        whole = {name: np.vstack([lines[name], mirrored_lines[name][-2::-1]]) for name in BODY_RINGS}
+        lines = whole | _of_both(
+            *({name: points for name, points in half.items() if name not in whole} for half in (lines, mirrored_lines))
+        )
+    named = {name: Line(points) for name, points in lines.items()}
+    return ReferenceSurface(tidy_mesh(vertices, triangles), landmarks, named)
+
+
+def _mirror(points: Floats) -> Floats:
+    """Points of one half, (..., 3), on the other one; 0 stays 0, never -0."""
+    return points * [-1.0, 1.0, 1.0] + 0.0
+
+
+def _of_both(right: dict[str, Floats], left: dict[str, Floats]) -> dict[str, Floats]:
+    """What is named on both halves: once where it lies in the sagittal plane."""
+    named = {}
+    for name, points in right.items():
+        if np.array_equal(points, left[name]):
+            named[name] = points
+        else:
+            named |= {f"right_{name}": points, f"left_{name}": left[name]}
+    return named
 
 
 def sections(body: LowerBody) -> dict[str, Ellipse]:
@@ -191,10 +230,13 @@ def _around_both(ellipse: Ellipse) -> float:
     return _perimeter(ellipse.a, ellipse.b) + 4.0 * ellipse.cx
 
 
-def _right_half(body: LowerBody) -> tuple[Floats, NDArray[np.int64]]:
-    """Vertices and triangles of the right half: a tube of ellipses, cut off at the sagittal plane."""
+def _grid(body: LowerBody) -> Floats:
+    """The tube of ellipses of the right half, not yet cut: rows from the ankle up, columns round it, (r, c, 3).
+
+    Every measured level is a row, and the crotch point a vertex. Column 0 is the outside, a quarter of the
+    columns on the front, then the inside and the back.
+    """
     levels = sorted(body.heights.values())
-    # Every measured level is a row, and the crotch point (angle pi) a vertex.
     rows = np.concatenate(
         [
             np.linspace(low, high, int(np.ceil((high - low) / GRID)), endpoint=False)
@@ -202,13 +244,17 @@ def _right_half(body: LowerBody) -> tuple[Floats, NDArray[np.int64]]:
         ]
         + [[levels[-1]]]
     )
-    columns = 2 * int(np.ceil(body.thigh / GRID / 2))
+    columns = 4 * int(np.ceil(body.thigh / GRID / 4))
     angles = 2.0 * np.pi * np.arange(columns) / columns
     cx, cy, a, b = (values[:, None] for values in profile(body, rows))
     x, y = cx + a * np.cos(angles), cy + b * np.sin(angles)
-    vertices = np.column_stack([x.ravel(), y.ravel(), np.repeat(rows, columns)])
-    vertices[np.abs(vertices[:, 0]) < SNAP, 0] = 0.0
-    corner = np.arange(len(rows) * columns).reshape(len(rows), columns)
+    x[np.abs(x) < SNAP] = 0.0
+    return np.stack([x, y, np.broadcast_to(rows[:, None], x.shape)], axis=2)
+
+
+def _right_half(grid: Floats) -> tuple[Floats, Ints]:
+    """Vertices and triangles of the right half: the tube, cut off at the sagittal plane."""
+    corner = np.arange(grid[:, :, 0].size).reshape(grid.shape[:2])
     right = np.roll(corner, -1, axis=1)
     lower_left, lower_right, upper_left, upper_right = (
         index.ravel() for index in (corner[:-1], right[:-1], corner[1:], right[1:])
@@ -220,7 +266,69 @@ def _right_half(body: LowerBody) -> tuple[Floats, NDArray[np.int64]]:
         ]
     )
     vertices, triangles, _ = trimesh.intersections.slice_faces_plane(
-        vertices, triangles, plane_normal=[1.0, 0.0, 0.0], plane_origin=[0.0, 0.0, 0.0]
+        grid.reshape(-1, 3), triangles, plane_normal=[1.0, 0.0, 0.0], plane_origin=[0.0, 0.0, 0.0]
     )
     vertices[np.abs(vertices[:, 0]) < 1e-9, 0] = 0.0  # the cut's vertices, off the plane by round-off
     return vertices, triangles
+
+
+def _marks(
+    body: LowerBody, grid: Floats, vertices: Floats, triangles: Ints
+) -> tuple[dict[str, Floats], dict[str, Floats]]:
+    """Landmarks and lines of the right half, all on its mesh."""
+    heights = body.heights
+    row = {name: int(np.abs(grid[:, 0, 2] - height).argmin()) for name, height in heights.items()}
+    quarter = grid.shape[1] // 4
+    down = slice(None, None, -1)
+    lines = {
+        "front": _middle_line(body, grid[:, : 2 * quarter + 1])[down],
+        "outside": grid[down, 0],
+        "back": _middle_line(body, np.roll(grid, -1, axis=1)[:, : 2 * quarter - 2 : -1])[down],
+        "inside": grid[: row["crotch"] + 1, 2 * quarter][down],
+    }
+
+    # The rim in the sagittal plane runs from the centre front over the crotch to the centre back.
+    mesh = tidy_mesh(vertices, triangles)
+    at = np.asarray(mesh.vertices)
+    rim = boundary_edges(np.asarray(mesh.faces))
+    [cut] = chains(rim[(at[rim, 0] == 0.0).all(axis=1)])
+    rises = at[cut] if at[cut[0], 1] > at[cut[-1], 1] else at[cut][down]
+    lowest = int(rises[:, 2].argmin())
+    lines["front_rise"], lines["back_rise"] = rises[: lowest + 1], rises[lowest:][down]
+
+    landmarks = {"crotch": rises[lowest]}
+    clockwise = (quarter - np.arange(grid.shape[1] + 1)) % grid.shape[1]  # seen from above, from the front on
+    for name in LEG_RINGS:
+        lines[name] = grid[row[name], clockwise]
+    for name in BODY_RINGS:
+        around = grid[row[name], (clockwise[:-1] + quarter) % grid.shape[1]]  # from the inside on
+        ends = [
+            next(p for p in rise if p[2] == heights[name]) for rise in (lines["front_rise"], lines["back_rise"])
+        ]
+        lines[name] = np.vstack([ends[0], around[around[:, 0] > 0.0], ends[1]])
+        landmarks |= {f"{name}_centre_front": ends[0], f"{name}_centre_back": ends[1]}
+    for name in (*BODY_RINGS, *LEG_RINGS):
+        sides = ("front", "outside", "back") + (("inside",) if name in LEG_RINGS else ())
+        landmarks |= {
+            f"{name}_{side}": next(p for p in lines[side] if p[2] == heights[name]) for side in sides
+        }
+    return landmarks, lines
+
+
+def _middle_line(body: LowerBody, side: Floats) -> Floats:
+    """The line up the middle of the front or the back, (r, 3).
+
+    In the middle of a leg, and of the half's breadth at hip and waist; between the levels a monotone cubic.
+
+    Parameters
+    ----------
+    side : (r, k, 3) the columns of the grid from the outside to the inside.
+    """
+    levels = body.heights
+    across = {name: ellipse.cx for name, ellipse in sections(body).items()}
+    across |= {name: (ellipse.cx + ellipse.a) / 2 for name, ellipse in sections(body).items() if name in BODY_RINGS}
+    order = sorted(levels, key=lambda name: levels[name])
+    z = side[:, 0, 2]
+    x = PchipInterpolator([levels[name] for name in order], [across[name] for name in order])(z)
+    y = [np.interp(at, row[::-1, 0], row[::-1, 1]) for at, row in zip(x, side)]
+    return np.stack([x, y, z], axis=1)

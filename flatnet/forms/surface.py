@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 import numpy as np
 import trimesh
@@ -15,15 +16,40 @@ Ints = NDArray[np.int64]
 
 
 @dataclass(frozen=True, eq=False)
+class Line:
+    """A named line of a form, such as a girth ring or a feather edge.
+
+    Attributes
+    ----------
+    points : (m, 3) float, mm: on the surface, in the line's direction, as dense as the surface's mesh; of a
+        closed line the last is the first.
+    """
+
+    points: Floats
+
+    def __post_init__(self) -> None:
+        self.points.setflags(write=False)
+
+    @property
+    def closed(self) -> bool:
+        return bool(np.array_equal(self.points[0], self.points[-1]))
+
+
+@dataclass(frozen=True, eq=False)
 class ReferenceSurface:
-    """A triangle mesh with smooth normals on its outer side.
+    """A triangle mesh with smooth normals on its outer side, and what a form names on it.
 
     Attributes
     ----------
     mesh : in mm, z up, faces anticlockwise seen from outside.
+    landmarks : name -> (3,) float, mm: points of the surface that nodes can be put at (`landmark: crotch`).
+    lines : name -> lines of the surface that curves can follow (`line: waist`). Both move with the measurements;
+        a user's mesh has neither.
     """
 
     mesh: trimesh.Trimesh
+    landmarks: Mapping[str, Floats] = field(default_factory=dict)
+    lines: Mapping[str, Line] = field(default_factory=dict)
 
     def nearest(self, points: Floats) -> tuple[Floats, Floats]:
         """The nearest points of the surface and its unit normals there, both (n, 3).

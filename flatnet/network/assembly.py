@@ -11,14 +11,18 @@ from flatnet.failure import Finding
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.network.boundaries import make_patch
 from flatnet.network.casting import cast_drawings
-from flatnet.network.curves import CurveSamples, StretchSamples, place_nodes, sample_curve
+from flatnet.network.crossings import crossing_problems, join_crossings, name_ends
+from flatnet.network.curves import CurveSamples, DrawnCurve, StretchSamples, sample_curve
+from flatnet.network.drawing import draw_curve
 from flatnet.network.faces import match_faces
 from flatnet.network.graph import TracedFaces, dangling_ends, lone_slits, rotation_system, trace_faces
 from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
 from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
+from flatnet.network.places import cut_at_fractions, place_nodes
 from flatnet.network.tangents import normals_from_curves
-from flatnet.project.model import CurveSpec, Problem, Project, ProjectError
+from flatnet.project.model import CurveSpec, NodeSpec, Problem, Project, ProjectError
+from flatnet.project.nodes import drawing_order
 
 Floats = NDArray[np.float64]
 
@@ -78,12 +82,12 @@ def trace_network(
         As `make_network`, but for what concerns patches.
     """
     project = cast_drawings(project, surface)
-    places = place_nodes(project.nodes, project.curves, surface)
-    stretches, problems = sample_stretches(project, places, surface)
+    places, stretches, new, problems = sample_stretches(project, surface)
     _refuse(project, problems + dangling_ends(stretches, places, project.curves))
-    stretches, settled, problems = normals_from_curves(stretches, project.curves, project.nodes)
+    nodes = {**project.nodes, **new}
+    stretches, settled, problems = normals_from_curves(stretches, project.curves, nodes)
     _refuse(project, problems)
-    rotation, problems = rotation_system(stretches, project.nodes, settled)
+    rotation, problems = rotation_system(stretches, nodes, settled)
     _refuse(project, problems)
     traced = trace_faces(stretches, rotation)
     _refuse(project, lone_slits(traced, stretches, project.curves))
@@ -96,15 +100,25 @@ def _refuse(project: Project, problems: list[Problem]) -> None:
 
 
 def sample_stretches(
-    project: Project, places: Mapping[str, Floats], surface: ReferenceSurface | None
-) -> tuple[dict[str, SampledStretch], list[Problem]]:
-    """All stretches of all curves, in the order of the file, and what is wrong with the other curves."""
+    project: Project, surface: ReferenceSurface | None
+) -> tuple[dict[str, Floats], dict[str, SampledStretch], dict[str, NodeSpec], list[Problem]]:
+    """All nodes in their places, all stretches of all curves in the order of the file, the nodes that crossings and
+    free ends have got, and what is wrong with the other nodes and curves."""
+    places, drawn, problems = draw_curves(project, surface)
+    new: dict[str, NodeSpec] = {}
+    if surface is not None and project.joins_crossings:
+        drawn, new, unjoined = join_crossings(project.curves, project.nodes, drawn, surface)
+        problems += unjoined
+    elif surface is not None:
+        problems += crossing_problems(project.curves, drawn, surface)
+    drawn, ends = name_ends(project.curves, {*project.nodes, *new}, drawn)
+    new |= ends
+    places |= {name: node.position for name, node in new.items()}
     samples: dict[str, CurveSamples] = {}
     stretches: dict[str, SampledStretch] = {}
-    problems = []
-    for name, curve in project.curves.items():
+    for name, each in drawn.items():
         try:
-            samples[name] = sample_curve(curve, places, surface, project.chord_tolerance)
+            samples[name] = sample_curve(project.curves[name], each)
         except GeometryError as found:
             problems.append(found.problem)
     on_surface = [name for name in samples if project.curves[name].normals.source == "surface"]
@@ -114,7 +128,34 @@ def sample_stretches(
             stretches |= _stretches_of(project.curves[name], sampled, of_surface)
         except GeometryError as found:
             problems.append(found.problem)
-    return stretches, problems
+    return places, stretches, new, problems
+
+
+def draw_curves(
+    project: Project, surface: ReferenceSurface | None
+) -> tuple[dict[str, Floats], dict[str, DrawnCurve], list[Problem]]:
+    """All nodes in their places, mm, all curves drawn, and what is wrong with the others.
+
+    What depends on a node or curve with a problem is left out without further word.
+    """
+    places, problems = place_nodes(project.nodes, project.curves, surface)
+    drawn: dict[str, DrawnCurve] = {}
+    for kind, name in drawing_order(project.nodes, project.curves):
+        if kind == "curve" and all(node in places for node in project.curves[name].own_nodes):
+            curve = project.curves[name]
+            try:
+                drawn[name] = draw_curve(curve, places, surface, project.chord_tolerance)
+                drawn[name], on_it = cut_at_fractions(curve, drawn[name])
+                places |= on_it
+            except GeometryError as found:
+                problems.append(found.problem)
+    for position in places.values():
+        position.setflags(write=False)
+    return (
+        {name: places[name] for name in project.nodes if name in places},
+        {name: drawn[name] for name in project.curves if name in drawn},
+        problems,
+    )
 
 
 def _stretches_of(

@@ -24,7 +24,7 @@ def make_grain(
     Raises
     ------
     GeometryError
-        The curve ends where it starts, so that it has no direction.
+        The curve ends where it starts, so that it has no direction; crossings are joined, but not in such a node.
     """
     if spec.grain is None:
         return None
@@ -33,6 +33,11 @@ def make_grain(
     if spec.grain.curve is None:
         assert spec.grain.nodes is not None, "a grain is a direction, a curve or two nodes"
         first, last = spec.grain.nodes
+        known = {node for stretch in stretches.values() for node in (stretch.start, stretch.end)}
+        for node in (first, last):
+            if node not in known:
+                message = f"patch '{spec.name}': grain: no curve passes a node '{node}'"
+                raise GeometryError(spec.mark, message)
         starts = [_start(stretches[dart.stretch], dart) for dart in loop]
         if first in starts and last in starts:
             at = [boundary.stretches[starts.index(node)].first for node in (first, last)]
@@ -52,6 +57,9 @@ def _along(
     names = [name for name, stretch in stretches.items() if stretch.curve == entry.curve]
     if entry.stretch:
         starts, ends = ([getattr(stretches[name], end) for name in names] for end in ("start", "end"))
+        if entry.stretch[0] not in starts or entry.stretch[1] not in ends:
+            message = f"patch '{spec.name}': grain: curve '{entry.curve}' has no stretch '{entry}'"
+            raise GeometryError(entry.mark, message)
         names = names[starts.index(entry.stretch[0]) : ends.index(entry.stretch[1]) + 1] or names
     here = {dart.stretch: (dart, on) for dart, on in zip(loop, boundary.stretches, strict=True)}
     met = [here[name] for name in names if name in here]

@@ -11,7 +11,9 @@ from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.fitting.results import FittedPatch
+from flatnet.network.crossings import name_ends
 from flatnet.network.curves import sample_curve
+from flatnet.network.drawing import draw_curve
 from flatnet.project.model import CurveSpec, MarkSpec, NormalSpec
 
 Floats = NDArray[np.float64]
@@ -102,7 +104,8 @@ def _points(spec: MarkSpec, spacing: float) -> Floats:
         normals=NormalSpec("none"),
         mark=spec.mark,
     )
-    return np.concatenate([part.vertices for part in sample_curve(line, {}, None, np.inf).stretches])
+    drawn, _ = name_ends({line.name: line}, (), {line.name: draw_curve(line, {}, None, np.inf)})
+    return np.concatenate([part.vertices for part in sample_curve(line, drawn[line.name]).stretches])
 
 
 def _far(fitted: FittedPatch, spec: MarkSpec, distance: float) -> Finding:

@@ -1,11 +1,11 @@
-"""The sections `nodes` and `curves` of a project file -> node and curve specs, in mm."""
+"""The section `curves` of a project file -> curve specs, in mm."""
 
 from __future__ import annotations
 
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Literal, cast
+from typing import Literal, cast
 
 import numpy as np
 import yaml
@@ -13,6 +13,8 @@ import yaml
 from flatnet.project.drawings import READERS
 from flatnet.project.imports import ImportedCurve, read_drawing_at
 from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec
+from flatnet.project.nodes import NOWHERE, on_surface
+from flatnet.project.paths import PATH_KEYS, read_path
 from flatnet.project.section import Section
 from flatnet.project.sewing import SEAM_KEYS, read_seam
 from flatnet.project.values import (
@@ -29,15 +31,27 @@ from flatnet.project.values import (
 )
 from flatnet.project.yaml_nodes import mark_of
 
-_NODE_KEYS = ("at", "on")
 _DRAWN_KEYS = ("kind", "on", "slit", "edge_length", "normals", *SEAM_KEYS)
-_CURVE_KEYS = ("from", "to", "points", "closed", "kind", "on", "slit", "edge_length", "normals", *SEAM_KEYS)
+_CURVE_KEYS = (
+    "from",
+    "to",
+    "points",
+    "closed",
+    "kind",
+    "on",
+    *PATH_KEYS,
+    "slit",
+    "edge_length",
+    "normals",
+    *SEAM_KEYS,
+)
+_KINDS = ("polyline", "spline", "geodesic", "fair")
+#: Kinds that are drawn on the surface only.
+_SURFACE_KINDS = ("geodesic", "fair")
 #: Points nearer than this, in edge lengths, are the same place.
 _SAME_PLACE = 1e-6
 #: A curve that would be divided into more edges than this has its edge_length in a wrong unit.
 _MOST_EDGES = 20_000
-#: Stands for a point that could not be read; it is nowhere, so that no other check complains about it.
-_NOWHERE = frozen(np.full(3, np.nan))
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,49 +67,14 @@ class CurveSetting:
 
 @dataclass(frozen=True, eq=False)
 class _Place:
-    """One of a curve's from, points, to; `projected` onto the surface later on."""
+    """One of a curve's from, points, to; `projected` onto the surface, or known at all, later on."""
 
     label: str
     node: str | None
     position: Floats
     projected: bool
+    later: bool
     yaml_node: yaml.Node
-
-
-def read_nodes(
-    sections: Section, mm_per_unit: float, has_surface: bool, imported: Mapping[str, NodeSpec]
-) -> dict[str, NodeSpec]:
-    """The nodes of the imports and those of the section, in file order; two at one place are a problem."""
-    point = point_in(mm_per_unit)
-    nodes = dict(imported)
-    first: dict[tuple[Any, ...], str] = {(False, *node.position.tolist()): key for key, node in imported.items()}
-    for key, mark, node in sections.named():
-        if key in imported:
-            sections.problem(mark, f"{key!r} is a node of an import too; give that a prefix, or this another name")
-            continue
-        on_surface = False
-        if isinstance(node, yaml.MappingNode):
-            section = Section(node, f"node {key!r}", mark, _NODE_KEYS, sections.problems)
-            position = section.require("at", point, _NOWHERE)
-            on_surface = _on_surface(section, has_surface)
-        else:
-            position = sections.read(repr(key), node, point, _NOWHERE)
-        nodes[key] = NodeSpec(key, position, on_surface, mark)
-        other = first.setdefault((on_surface, *position.tolist()), key)
-        if other != key and np.isfinite(position).all():
-            message = f"{key!r} is at the same place as {other!r}; keep one, and their curves meet"
-            sections.problem(mark, message)
-    return nodes
-
-
-def _on_surface(section: Section, has_surface: bool) -> bool:
-    on_surface = section.get("on", one_of("surface"), "") == "surface"
-    if on_surface and not has_surface:
-        section.problem(
-            section.values["on"],
-            "on: surface, but the file has no surface; add `surface: ...` at its top, or leave `on` out",
-        )
-    return on_surface
 
 
 def read_curves(
@@ -119,25 +98,31 @@ def read_curves(
 
 
 def _curve(key: str, section: Section, setting: CurveSetting, drawn: ImportedCurve | None = None) -> CurveSpec:
+    path = None if drawn else read_path(section, setting.mm_per_unit, setting.has_surface)
     usual: str = drawn.kind if drawn else "polyline"
-    kind = section.get("kind", one_of("polyline", "spline"), usual)
+    kind = section.get("kind", one_of(*_KINDS), usual)
+    if kind in _SURFACE_KINDS and not setting.has_surface:
+        message = f"kind: {kind} is drawn on a surface, but the file has none; add `surface: ...` at its top"
+        section.problem(section.values["kind"], message)
     cast_along = drawn.cast if drawn else None
-    on_surface = _on_surface(section, setting.has_surface) or cast_along is not None
+    projected = on_surface(section, setting.has_surface) or kind in _SURFACE_KINDS or path is not None
+    projected |= cast_along is not None
     edge_length = section.get(
         "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
     )
-    places = _drawn_places(drawn, section, setting, on_surface) if drawn else _places(section, setting, on_surface)
+    places = _drawn_places(drawn, section, setting, projected) if drawn else _places(section, setting, projected)
     closed = drawn.curve.closed if drawn else _is_closed(section, places)
     slit = section.get("slit", flag, False)
-    if slit and closed:
+    if slit and closed and path is None:
         section.problem(section.values["slit"], "a closed curve can't be a slit: it has no tip")
     positions = np.array([place.position for place in places]).reshape(-1, 3)
     joined = closed and not (places and places[0].label == "from")  # the last point to the first
-    path = np.concatenate([positions, positions[:1]]) if joined else positions
-    _check_places(section, places, path, closed, edge_length)
-    readable = len(places) > 0 and all(place.label != "points" for place in places)
+    polygon = np.concatenate([positions, positions[:1]]) if joined else positions
+    needed = 0 if path else 3 if closed else 2
+    _check_places(section, places, polygon, closed, needed, edge_length)
+    readable = (path is not None or len(places) > 0) and all(place.label != "points" for place in places)
     ends = ("from" in section.values) + ("to" in section.values)
-    count = _Count(len(places), len(path) - 1, joined) if readable and ends != 1 else None
+    count = _Count(len(places), len(polygon) - 1, joined) if readable and ends != 1 else None
     normals = _normals(section, setting.has_surface, count)
     return CurveSpec(
         name=key,
@@ -149,20 +134,19 @@ def _curve(key: str, section: Section, setting: CurveSetting, drawn: ImportedCur
             if place.label not in ("from", "to")
         ),
         closed=closed,
-        kind=cast(Literal["polyline", "spline"], kind),
-        on_surface=on_surface,
+        kind=cast(Literal["polyline", "spline", "geodesic", "fair"], kind),
+        on_surface=projected,
         slit=slit,
         edge_length=edge_length,
         normals=normals,
         mark=section.mark,
         seam=read_seam(section, setting.mm_per_unit),
         cast=cast_along,
+        path=path,
     )
 
 
-def _drawn_places(
-    drawn: ImportedCurve, section: Section, setting: CurveSetting, on_surface: bool
-) -> list[_Place]:
+def _drawn_places(drawn: ImportedCurve, section: Section, setting: CurveSetting, projected: bool) -> list[_Place]:
     """The nodes and points of an imported curve; problems with them stand where the file is named."""
     node = drawn.section.values["file"]
     last = len(drawn.curve.places) - 1
@@ -171,37 +155,38 @@ def _drawn_places(
         if isinstance(place, str):
             spec = setting.nodes[place]
             label = "from" if i == 0 else "to" if i == last else f"point {i}"
-            places.append(_Place(label, place, spec.position, on_surface or spec.on_surface, node))
+            places.append(_Place(label, place, spec.position, projected or spec.on_surface, False, node))
         else:
-            places.append(_Place(f"point {i}", None, frozen(np.array(place)), on_surface, node))
+            places.append(_Place(f"point {i}", None, frozen(np.array(place)), projected, False, node))
     return places
 
 
-def _places(section: Section, setting: CurveSetting, on_surface: bool) -> list[_Place]:
+def _places(section: Section, setting: CurveSetting, projected: bool) -> list[_Place]:
     """from, points and to of a curve, as far as they are there."""
     point = point_in(setting.mm_per_unit)
 
     def place(label: str, node: yaml.Node) -> _Place:
         if isinstance(node, yaml.SequenceNode) and label not in ("from", "to"):
-            return _Place(label, None, section.read(label, node, point, _NOWHERE), on_surface, node)
+            return _Place(label, None, section.read(label, node, point, NOWHERE), projected, False, node)
         text = section.read(label, node, scalar("the name of a node"), "")
         spec = setting.nodes.get(text)
         if text and spec is None:
             hint = "a point is a list [x, y, z]" if is_number(node) else nearest(text, setting.nodes, "nodes")
             section.problem(node, f"{label}: there is no node {text!r}; {hint}")
-        position, projected = (spec.position, spec.on_surface) if spec else (_NOWHERE, False)
-        return _Place(label, text, position, on_surface or projected, node)
+        if spec is None:
+            return _Place(label, text, NOWHERE, projected, False, node)
+        return _Place(label, text, spec.position, projected or spec.on_surface, spec.place is not None, node)
 
     places = [place("from", section.values["from"])] if "from" in section.values else []
     if "points" in section.values:
         node = section.values["points"]
         if isinstance(node, yaml.ScalarNode) and Path(node.value).suffix.lower() in READERS:
-            places += _file_points(section, setting, on_surface, node)
+            places += _file_points(section, setting, projected, node)
         else:
             items = section.items("points", node, "a list of points and nodes, or the path of a drawing")
             places += [place(label.replace("points, item", "point"), item) for label, item in items]
             if not isinstance(node, yaml.SequenceNode):
-                places.append(_Place("points", None, _NOWHERE, on_surface, node))
+                places.append(_Place("points", None, NOWHERE, projected, False, node))
     if "to" not in section.values:
         return places
     to = place("to", section.values["to"])
@@ -210,16 +195,16 @@ def _places(section: Section, setting: CurveSetting, on_surface: bool) -> list[_
     return [*places, to]
 
 
-def _file_points(section: Section, setting: CurveSetting, on_surface: bool, node: yaml.Node) -> list[_Place]:
+def _file_points(section: Section, setting: CurveSetting, projected: bool, node: yaml.Node) -> list[_Place]:
     """The points of the one curve of a drawing; a closed one's first point is not repeated."""
     curves = read_drawing_at(setting.file, section, "points", node)
     if len(curves) != 1:
         if curves:
             found = f"{node.value} has {len(curves)} curves, and one is wanted"
             section.problem(node, f"points: {found}; import: {{file: ...}} takes all")
-        return [_Place("points", None, _NOWHERE, on_surface, node)]
+        return [_Place("points", None, NOWHERE, projected, False, node)]
     points = setting.mm_per_unit * curves[0].points[: -1 if curves[0].closed else None]
-    return [_Place(f"point {i}", None, frozen(point), on_surface, node) for i, point in enumerate(points, 1)]
+    return [_Place(f"point {i}", None, frozen(point), projected, False, node) for i, point in enumerate(points, 1)]
 
 
 def _without_ends(places: list[_Place], to: _Place, same: float) -> list[_Place]:
@@ -256,22 +241,24 @@ def _is_closed(section: Section, places: list[_Place]) -> bool:
 
 
 def _check_places(
-    section: Section, places: list[_Place], path: Floats, closed: bool, edge_length: float
+    section: Section, places: list[_Place], path: Floats, closed: bool, needed: int, edge_length: float
 ) -> None:
     """Enough different places, none twice in a row, no node twice, not more edges than can be meant.
 
-    `path` : the positions of `places`, and the first once more where the last is joined to it.
+    `path` : the positions of `places`, and the first once more where the last is joined to it; nan where only
+    the geometry tells them.
     """
-    if not section.is_mapping or np.isnan(path).any() or np.isnan(edge_length):
+    unknown = np.isnan(path).any(axis=1)
+    unreadable = any(np.isnan(place.position).any() and not place.later for place in places)
+    if not section.is_mapping or unreadable or np.isnan(edge_length):
         return
-    needed = 3 if closed else 2
-    different = len(np.unique(path, axis=0))
+    different = len(np.unique(path[~unknown], axis=0)) + len({place.node for place in places if place.later})
     if different < needed:
         what = "a closed curve" if closed else "a curve"
         section.problem(section.mark, f"{what} needs at least {needed} different places, got {different}")
         return
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
-    for i in np.flatnonzero(steps <= _SAME_PLACE * edge_length):
+    for i in np.flatnonzero(steps <= _SAME_PLACE * edge_length) if len(places) > 1 else ():
         _note_repeat(section, places, int(i))
     passed: set[str | None] = set()
     for place in places[:-1] if closed and len(path) == len(places) else places:
@@ -279,7 +266,7 @@ def _check_places(
             message = f"{place.label}: the curve passes node {place.node!r} twice; divide it there in two"
             section.problem(place.yaml_node, message)
         passed.add(place.node)
-    total = float(steps.sum())
+    total = float(np.nansum(steps))
     if total > _MOST_EDGES * edge_length:
         section.problem(
             section.mark,
@@ -317,6 +304,8 @@ class _Count:
 
     def mismatch(self, given: int) -> str:
         """What is wrong with so many normals, and how many there should be."""
+        if self.points == 0:
+            return f"{given} given, but the curve has no points; give one direction for all of it"
         if self.joined:
             said = f"the closed curve has {self.segments} segments; give {self.segments}"
         else:
@@ -380,11 +369,11 @@ def _normal_list(
             return None
         node = inner.values["values"]
     elif isinstance(node, yaml.SequenceNode) and any(isinstance(x, yaml.ScalarNode) for x in node.value):
-        values = section.read(label, node, direction, _NOWHERE)[None]
+        values = section.read(label, node, direction, NOWHERE)[None]
         return NormalList("curve", frozen(values))
     items = section.items(label, node, "a list of directions [x, y, z]")
     values = frozen(
-        np.array([section.read(each, item, direction, _NOWHERE) for each, item in items]).reshape(-1, 3)
+        np.array([section.read(each, item, direction, NOWHERE) for each, item in items]).reshape(-1, 3)
     )
     if not isinstance(node, yaml.SequenceNode) or per == "" or count is None:
         return None

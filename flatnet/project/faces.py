@@ -55,13 +55,17 @@ Loops = tuple[tuple[SignedCurve, ...], ...]
 
 @dataclass(frozen=True, eq=False)
 class FaceSetting:
-    """What the rest of the file means for its patches: unit, edge length (mm), curves, materials, fitting."""
+    """What the rest of the file means for its patches: unit, edge length (mm), curves, materials, fitting.
+
+    Where crossings are joined, curves pass nodes that only the network knows.
+    """
 
     mm_per_unit: float
     edge_length: float
     curves: Mapping[str, CurveSpec]
     materials: tuple[str, ...]
     fitting: FittingParameters
+    joins_crossings: bool
 
 
 def stretches(curve: CurveSpec) -> list[tuple[str, str]]:
@@ -88,19 +92,21 @@ def read_patches(sections: Section, setting: FaceSetting) -> dict[str, PatchSpec
     return patches
 
 
-def read_openings(sections: Section, curves: Mapping[str, CurveSpec]) -> dict[str, OpeningSpec]:
+def read_openings(
+    sections: Section, curves: Mapping[str, CurveSpec], joins_crossings: bool
+) -> dict[str, OpeningSpec]:
     """The section `openings` -> name -> opening, in file order."""
     openings = {}
     for key, mark, node in sections.named():
         section = Section(node, f"opening {key!r}", mark, ("around",), sections.problems)
-        openings[key] = OpeningSpec(key, _around(section, curves), mark)
+        openings[key] = OpeningSpec(key, _around(section, curves, joins_crossings), mark)
     return openings
 
 
 def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
     problems_before = len(section.problems)
-    loops = _around(section, setting.curves)
-    complete = len(section.problems) == problems_before
+    loops = _around(section, setting.curves, setting.joins_crossings)
+    complete = len(section.problems) == problems_before and not setting.joins_crossings
     cut, mirrored = _copies(section, 1, 0)
     material = _material(section, setting.materials)
     return PatchSpec(
@@ -109,7 +115,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         material=material,
         cut=cut,
         mirrored=mirrored,
-        grain=_grain(section, setting.curves),
+        grain=_grain(section, setting),
         edge_length=section.get(
             "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
         ),
@@ -153,7 +159,7 @@ def _also(section: Section, setting: FaceSetting, material: str, cut: int, mirro
 _UP = frozen(np.array([0.0, 0.0, 1.0]))
 
 
-def _grain(section: Section, curves: Mapping[str, CurveSpec]) -> GrainSpec | None:
+def _grain(section: Section, setting: FaceSetting) -> GrainSpec | None:
     node = section.values.get("grain")
     if node is None:
         return GrainSpec(_UP, said=False)
@@ -162,7 +168,7 @@ def _grain(section: Section, curves: Mapping[str, CurveSpec]) -> GrainSpec | Non
     if isinstance(node, yaml.ScalarNode) and node.value in ("up", "none"):
         return GrainSpec(_UP) if node.value == "up" else None
     if isinstance(node, yaml.MappingNode):
-        return _drawn_grain(section, node, curves)
+        return _drawn_grain(section, node, setting)
     section.read("grain", node, _no_grain, None)
     return None
 
@@ -171,19 +177,19 @@ def _no_grain(node: yaml.Node) -> None:
     raise wrong(node, "'up', 'none', a direction [x, y, z], {along: curve} or {from: node, to: node}")
 
 
-def _drawn_grain(section: Section, node: yaml.MappingNode, curves: Mapping[str, CurveSpec]) -> GrainSpec | None:
+def _drawn_grain(section: Section, node: yaml.MappingNode, setting: FaceSetting) -> GrainSpec | None:
     """Along a curve, or from one node to another."""
     inner = Section(node, f"{section.title}: grain", mark_of(node), _GRAIN_KEYS, section.problems)
     if "along" in inner.values:
         for key in [key for key in ("from", "to") if key in inner.values]:
             inner.problem(inner.keys[key], f"'along' and '{key}' exclude each other; keep one")
-        entry = _entry(inner, "along", inner.values["along"], curves)
+        entry = _entry(inner, "along", inner.values["along"], setting.curves, setting.joins_crossings)
         return GrainSpec(curve=entry) if entry else None
-    known = {name for curve in curves.values() for name in curve.nodes}
+    known = {name for curve in setting.curves.values() for name in curve.nodes}
     ends = []
     for key in ("from", "to"):
         end = inner.require(key, scalar("the name of a node"), "", "the grain runs along a curve or between two nodes")
-        if end and end not in known:
+        if end and end not in known and not setting.joins_crossings:
             hint = nearest(end, sorted(known), "nodes")
             inner.problem(inner.values[key], f"{key}: no curve passes a node {end!r}; {hint}")
         ends.append(end)
@@ -226,7 +232,7 @@ def _nodes_along(entry: SignedCurve, curves: Mapping[str, CurveSpec]) -> set[str
     return {node for pair in pairs for node in pair}
 
 
-def _around(section: Section, curves: Mapping[str, CurveSpec]) -> Loops:
+def _around(section: Section, curves: Mapping[str, CurveSpec], joins_crossings: bool) -> Loops:
     """The loops of a face; entries that are wrong are noted and left out."""
     if "around" not in section.values:
         if section.is_mapping:
@@ -250,13 +256,13 @@ def _around(section: Section, curves: Mapping[str, CurveSpec]) -> Loops:
                 section.problem(item, f"{label}: names no curve")
     loops = []
     for entries in lists:
-        found = [_entry(section, label, item, curves) for label, item in entries]
+        found = [_entry(section, label, item, curves, joins_crossings) for label, item in entries]
         loops.append(tuple(entry for entry in found if entry is not None))
     return tuple(loop for loop in loops if loop)
 
 
 def _entry(
-    section: Section, label: str, node: yaml.Node, curves: Mapping[str, CurveSpec]
+    section: Section, label: str, node: yaml.Node, curves: Mapping[str, CurveSpec], joins_crossings: bool
 ) -> SignedCurve | None:
     def parse(node: yaml.Node) -> SignedCurve:
         expected = "a curve: hem, -hem, or a stretch of one, hem:a..b"
@@ -267,7 +273,7 @@ def _entry(
         if curve not in curves:
             raise WrongValueError(node, f"there is no curve {curve!r}; {nearest(curve, curves, 'curves')}")
         stretch = (first, last) if first else None
-        if stretch:
+        if stretch and not (joins_crossings and set(stretch) - set(curves[curve].nodes)):
             _check_stretch(node, minus, curves[curve], stretch)
         return SignedCurve(curve, bool(minus), stretch, mark_of(node))
 
@@ -290,7 +296,10 @@ def _check_stretch(node: yaml.Node, minus: str, curve: CurveSpec, stretch: tuple
 
 
 def face_problems(
-    patches: Mapping[str, PatchSpec], openings: Mapping[str, OpeningSpec], curves: Mapping[str, CurveSpec]
+    patches: Mapping[str, PatchSpec],
+    openings: Mapping[str, OpeningSpec],
+    curves: Mapping[str, CurveSpec],
+    joins_crossings: bool,
 ) -> list[Problem]:
     """Sides of a curve that two faces claim, and curves of patches without normals."""
     entries = [(f"patch {key!r}", entry) for key, patch in patches.items() for entry in _entries(patch)]
@@ -301,7 +310,8 @@ def face_problems(
             message = f"has no normals, but {title} needs them; give 'normals' or a surface"
             bare.setdefault(curve.name, Problem(curve.mark, f"curve {curve.name!r}: {message}"))
     entries += [(f"opening {key!r}", entry) for key, face in openings.items() for entry in _entries(face)]
-    return [*bare.values(), *_side_problems(entries, curves)]
+    # Where crossings are joined, any name may mean several stretches; which, the network tells.
+    return [*bare.values(), *([] if joins_crossings else _side_problems(entries, curves))]
 
 
 def _entries(face: PatchSpec | OpeningSpec) -> list[SignedCurve]:

@@ -102,7 +102,7 @@ def read_imports(file: Path, top: Section, mm_per_unit: float, edge_length: floa
                 break
             curves[key] = ImportedCurve(curve, cast(Literal["polyline", "spline"], own), cast_along, section)
         for key, place in joined.nodes.items():
-            nodes[key] = NodeSpec(key, frozen(place), cast_along is not None, mark, cast_along)
+            nodes[key] = NodeSpec(key, frozen(place), cast_along is not None, mark, cast=cast_along)
         if not joined.curves:
             section.problem(mark, "nothing is left of its curves: all end by themselves, and trim leaves them out")
     return Imports(nodes, curves, tuple(findings))

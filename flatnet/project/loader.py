@@ -10,10 +10,11 @@ import numpy as np
 import yaml
 
 from flatnet.parameters import FairParameters, Limits, NestingParameters
-from flatnet.project.curves import CurveSetting, read_curves, read_nodes
+from flatnet.project.curves import CurveSetting, read_curves
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.imports import read_imports
 from flatnet.project.model import FormSurface, Material, MeshSurface, Problem, Project, ProjectError
+from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
 from flatnet.project.section import Section
 from flatnet.project.values import (
@@ -43,6 +44,7 @@ _TOP_KEYS = (
     "import",
     "nodes",
     "curves",
+    "join",
     "patches",
     "openings",
     "rest",
@@ -108,18 +110,20 @@ def _project(file: Path, top: Section) -> Project:
     nodes = read_nodes(top.section("nodes", None), mm_per_unit, has_surface, imports.nodes)
     curve_setting = CurveSetting(file, mm_per_unit, has_surface, edge_length, nodes)
     curve_sections = top.section("curves", None)
-    curves = read_curves(curve_sections, curve_setting, imports.curves)
+    curves, problems = cut_at_fractions(nodes, read_curves(curve_sections, curve_setting, imports.curves))
+    top.problems += problems
+    joins_crossings = top.get("join", one_of("crossings"), "") == "crossings"
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
     materials = _materials(top.section("materials", None), mm_per_unit)
     fitting = read_fitting(top, FairParameters())
-    face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), fitting)
+    face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), fitting, joins_crossings)
     patches = read_patches(top.section("patches", None), face_setting)
-    openings = read_openings(top.section("openings", None), curves)
+    openings = read_openings(top.section("openings", None), curves, joins_crossings)
     rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
     if rest_is_open and not patches:
         top.problem(top.keys["rest"], "rest: openings, and no patches: nothing is left to make")
-    top.problems += face_problems(patches, openings, curves)
+    top.problems += face_problems(patches, openings, curves, joins_crossings)
     return Project(
         file=file,
         name=top.require("name", title, ""),
@@ -136,6 +140,7 @@ def _project(file: Path, top: Section) -> Project:
         size=top.get("size", title, ""),
         nesting=read_parameters(top.section("nesting", parameter_names(NestingParameters)), NestingParameters()),
         limits=read_parameters(top.section("limits", parameter_names(Limits)), Limits()),
+        joins_crossings=joins_crossings,
     )
 
 

@@ -70,16 +70,53 @@ class MeshSurface:
 
 
 @dataclass(frozen=True, eq=False)
-class NodeSpec:
-    """A node as the file gives it; `position` (3,) mm, taken to the surface where `on_surface` says so.
+class OnRay:
+    """Where a ray first meets the surface: origin (3,) mm, direction (3,) unit."""
 
-    `cast` : the direction in which it is cast onto the surface first, unit; None where it is not.
+    origin: Floats
+    direction: Floats
+
+
+@dataclass(frozen=True)
+class AtLandmark:
+    """At a landmark of the form."""
+
+    landmark: str
+
+
+@dataclass(frozen=True)
+class OnLine:
+    """At the fraction t of the length of a line of the form."""
+
+    line: str
+    t: float
+
+
+@dataclass(frozen=True)
+class OnCurve:
+    """At the fraction t of the length of a curve, or of its stretch between two nodes; it is cut there."""
+
+    curve: str
+    stretch: tuple[str, str] | None
+    t: float
+
+
+@dataclass(frozen=True, eq=False)
+class NodeSpec:
+    """A node as the file gives it.
+
+    Attributes
+    ----------
+    position : (3,) mm; taken to the surface where `on_surface` says so; nan where `place` says what it
+        depends on.
+    cast : the direction in which it is cast onto the surface first, unit; None where it is not.
     """
 
     name: str
     position: Floats
     on_surface: bool
     mark: Mark
+    place: OnRay | AtLandmark | OnLine | OnCurve | None = None
     cast: Floats | None = None
 
 
@@ -196,6 +233,38 @@ class SeamSpec:
 
 
 @dataclass(frozen=True, eq=False)
+class PlaneSection:
+    """The cut of the surface with a plane, given by two of a point (3,) mm, a unit normal (3,), and the nodes."""
+
+    point: Floats | None
+    normal: Floats | None
+
+
+@dataclass(frozen=True)
+class MeshEdges:
+    """Edges of the surface's mesh: its boundary, or those where its faces meet at more than `angle`, rad."""
+
+    what: Literal["boundary", "feature"]
+    angle: float
+
+
+@dataclass(frozen=True)
+class NamedLine:
+    """A line of the form."""
+
+    line: str
+
+
+@dataclass(frozen=True)
+class Fraction:
+    """A node at the fraction t of the length of a curve's stretch, counted among those between its own nodes."""
+
+    stretch: int
+    t: float
+    node: str
+
+
+@dataclass(frozen=True, eq=False)
 class CurveSpec:
     """A curve as the file gives it.
 
@@ -204,9 +273,13 @@ class CurveSpec:
     start, end : node names; None for a closed curve without node, equal for a closed curve with one.
     points : between start and end: a node's name or (3,) mm.
     closed : the last point is joined to the first.
+    kind : how it runs from point to point where it follows no `path`.
+    on_surface : every curve on a path is.
     edge_length : target length of its edges, mm.
     seam : how the pieces along it are cut.
     cast : direction in which its points are cast onto the surface, unit, if they are.
+    path : what on the surface it follows; its points then tell the way.
+    fractions : the nodes at a fraction of its length, in its order.
     """
 
     name: str
@@ -214,7 +287,7 @@ class CurveSpec:
     end: str | None
     points: tuple[str | Floats, ...]
     closed: bool
-    kind: Literal["polyline", "spline"]
+    kind: Literal["polyline", "spline", "geodesic", "fair"]
     on_surface: bool
     slit: bool
     edge_length: float
@@ -222,11 +295,23 @@ class CurveSpec:
     mark: Mark
     seam: SeamSpec = SeamSpec()
     cast: Floats | None = None
+    path: PlaneSection | MeshEdges | NamedLine | None = None
+    fractions: tuple[Fraction, ...] = ()
+
+    @property
+    def own_nodes(self) -> list[str]:
+        """The nodes that it is drawn through, in its order."""
+        return [place for place in (self.start, *self.points, self.end) if isinstance(place, str)]
 
     @property
     def nodes(self) -> list[str]:
         """The nodes that it passes, in its order; the one where it starts and ends stands at both ends."""
-        return [place for place in (self.start, *self.points, self.end) if isinstance(place, str)]
+        own = self.own_nodes
+        nodes = own[:1]
+        for i in range(max(len(own), 1)):
+            nodes += [each.node for each in self.fractions if each.stretch == i]
+            nodes += own[i + 1 : i + 2]
+        return nodes
 
 
 @dataclass(frozen=True)
@@ -395,6 +480,7 @@ class Project:
     nesting: NestingParameters = field(default_factory=NestingParameters)
     limits: Limits = field(default_factory=Limits)
     findings: tuple[Finding, ...] = ()
+    joins_crossings: bool = False
 
     @property
     def title(self) -> str:

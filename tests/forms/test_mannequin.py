@@ -115,6 +115,70 @@ def test_legs_part_at_the_crotch_alone():
     assert (cx[heights > body.inseam] < a[heights > body.inseam]).all()
 
 
+@BODIES
+@pytest.mark.parametrize("half", ["left", "right", "both"])
+def test_lines_and_landmarks_are_on_the_surface(measurements, half):
+    surface = mannequin({**measurements, "half": half})
+    for name, line in surface.lines.items():
+        feet, _ = surface.nearest(line.points)
+        # Between two rows a line across the columns leaves the triangles by less than the chords the ellipses.
+        assert np.linalg.norm(feet - line.points, axis=1).max() < 1e-9, name
+        assert np.linalg.norm(np.diff(line.points, axis=0), axis=1).max() < 8.0, name  # two edges of the grid
+    landmarks = np.array(list(surface.landmarks.values()))
+    assert np.linalg.norm(surface.nearest(landmarks)[0] - landmarks, axis=1).max() < 1e-9
+
+
+@BODIES
+def test_rings_have_the_measured_girths(measurements):
+    body = LowerBody(**measurements)
+    whole = mannequin({**measurements, "half": "both"}).lines
+    leg = mannequin({**measurements, "half": "right"}).lines
+    for rings, names in ((whole, ("waist", "hip")), (leg, ("thigh", "knee", "calf", "ankle"))):
+        for name in names:
+            points = rings[name].points
+            assert rings[name].closed
+            assert (points[:, 2] == body.heights[name]).all()
+            assert tape(points[:, :2]) == pytest.approx(getattr(body, name), rel=2e-3), name
+
+
+@BODIES
+def test_lines_down_start_and_end_at_the_rings_and_meet_in_the_landmarks(measurements):
+    body = LowerBody(**measurements)
+    surface = mannequin({**measurements, "half": "right"})
+    lines, landmarks = surface.lines, surface.landmarks
+    crotch = landmarks["crotch"]
+    assert crotch[0] == 0.0 and crotch[2] == body.inseam
+    for name in ("front_rise", "back_rise", "inside"):
+        assert crotch.tolist() == lines[name].points[-1 if name.endswith("rise") else 0].tolist()
+    for name in ("front_rise", "back_rise"):
+        assert (lines[name].points[:, 0] == 0.0).all()
+    for level in ("waist", "hip", "thigh", "knee", "calf", "ankle"):
+        for side in ("front", "outside", "back"):
+            place = landmarks[f"{level}_{side}"]
+            assert place[2] == body.heights[level]
+            assert place.tolist() in lines[side].points.tolist()
+            ring = lines[level].points
+            assert np.linalg.norm(ring - place, axis=1).min() < 3.0  # between two of its points, 6 mm apart at most
+
+
+def test_lines_down_are_fair():
+    """No corner: in steps of about 12 mm, on radii above 70 mm, they turn by less than 10 degrees."""
+    for name in ("front", "outside", "back", "inside"):
+        points = mannequin({"half": "right"}).lines[name].points[::3]
+        steps = np.diff(points, axis=0)
+        steps /= np.linalg.norm(steps, axis=1, keepdims=True)
+        assert np.degrees(np.arccos(np.einsum("ij,ij->i", steps[:-1], steps[1:]))).max() < 10.0, name
+
+
+def test_both_halves_name_their_lines_by_side():
+    right, both = (mannequin({"half": half}) for half in ("right", "both"))
+    assert both.lines["front_rise"].points.tolist() == right.lines["front_rise"].points.tolist()
+    assert both.lines["right_inside"].points.tolist() == right.lines["inside"].points.tolist()
+    assert both.lines["left_inside"].points.tolist() == (right.lines["inside"].points * [-1, 1, 1]).tolist()
+    assert {"crotch", "waist_centre_front", "left_knee_outside"} <= set(both.landmarks)
+    assert len(both.lines["waist"].points) == 2 * len(right.lines["waist"].points) - 1
+
+
 def test_two_makings_are_equal():
     first, second = mannequin({}).mesh, mannequin({}).mesh
     assert np.array_equal(first.vertices, second.vertices)

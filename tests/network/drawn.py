@@ -1,11 +1,12 @@
 """Networks for tests: project files from dicts, and surfaces with a formula."""
 
 import numpy as np
+import trimesh
 import yaml
 
+from flatnet.forms.surface import ReferenceSurface, tidy_mesh
 from flatnet.geometry.polygon import predicted_angles
 from flatnet.network.assembly import make_network, sample_stretches
-from flatnet.network.curves import place_nodes
 from flatnet.project import load_project
 
 
@@ -73,8 +74,7 @@ def stretches_of(folder, surface=None, **sections):
     """The sampled stretches of curves that need not bound anything, and what is wrong with the others."""
     sections["patches"] = {"unused": {"around": [next(iter(sections["curves"]))]}}
     project = project_of(folder, surface, **sections)
-    places = place_nodes(project.nodes, project.curves, surface)
-    stretches, problems = sample_stretches(project, places, surface)
+    _, stretches, _, problems = sample_stretches(project, surface)
     return stretches, [problem.message for problem in problems]
 
 
@@ -105,3 +105,34 @@ def square(side=40.0):
 
 
 SQUARE_AROUND = ["south", "east", "north", "west"]
+
+
+def prism(columns=48, radius=50.0, height=200.0, rows=20):
+    """An open tube of flat strips round the z axis, z from 0 to height; its unrolled length is 2 n R sin(pi / n)."""
+    angles = 2 * np.pi * np.arange(columns) / columns
+    z = np.linspace(0.0, height, rows + 1)
+    ring = np.stack([radius * np.cos(angles), radius * np.sin(angles)], axis=1)
+    vertices = np.column_stack([np.tile(ring, (rows + 1, 1)), np.repeat(z, columns)])
+    corner = np.arange(len(vertices)).reshape(rows + 1, columns)
+    a, b, c, d = (x.ravel() for x in (corner[:-1], np.roll(corner, -1, 1)[:-1], np.roll(corner, -1, 1)[1:], corner[1:]))
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return ReferenceSurface(tidy_mesh(vertices, triangles))
+
+
+def ball(radius=50.0, subdivisions=4):
+    mesh = trimesh.creation.icosphere(subdivisions, radius)
+    return ReferenceSurface(tidy_mesh(mesh.vertices, mesh.faces))
+
+
+def sheet(size=100.0, count=10):
+    """A square of the plane z = 0."""
+    x, y = np.meshgrid(*2 * [np.linspace(0.0, size, count + 1)], indexing="ij")
+    corner = np.arange(x.size).reshape(x.shape)
+    a, b, c, d = (k.ravel() for k in (corner[:-1, :-1], corner[1:, :-1], corner[1:, 1:], corner[:-1, 1:]))
+    triangles = np.concatenate([np.stack([a, b, c], axis=1), np.stack([a, c, d], axis=1)])
+    return ReferenceSurface(tidy_mesh(np.column_stack([x.ravel(), y.ravel(), 0 * x.ravel()]), triangles))
+
+
+def box(*size):
+    mesh = trimesh.creation.box(size)
+    return ReferenceSurface(tidy_mesh(mesh.vertices, mesh.faces))

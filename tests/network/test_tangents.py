@@ -7,7 +7,6 @@ from scipy.spatial.transform import Rotation
 from test_faces import CUBE_FACES, CUBE_VERTICES, OCTAHEDRON, TETRAHEDRON, polyhedron, torus_grid
 
 from flatnet.network.assembly import sample_stretches
-from flatnet.network.curves import place_nodes
 from flatnet.network.tangents import normals_from_curves
 from flatnet.project import ProjectError
 
@@ -121,7 +120,7 @@ def test_a_flat_network_is_seen_from_the_positive_side(turn, tmp_path):
     sections = flat_cross()
     sections["curves"]["across"].pop("points")
     project = project_of(tmp_path, **moved(sections, Rotation.from_rotvec(turn)))
-    stretches, _ = sample_stretches(project, place_nodes(project.nodes, project.curves, None), None)
+    _, stretches, _, _ = sample_stretches(project, None)
     stretches, _, _ = normals_from_curves(stretches, project.curves, project.nodes)
     normals = np.concatenate([stretch.left_normals for stretch in stretches.values()])
     np.testing.assert_allclose(normals, np.broadcast_to(np.abs(normals[0]).round(), normals.shape), atol=1e-12)

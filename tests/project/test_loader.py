@@ -26,6 +26,7 @@ from flatnet.project import (
     SeamSpec,
     load_project,
 )
+from flatnet.project.model import AtLandmark, MeshEdges, NamedLine, OnCurve, OnLine, OnRay, PlaneSection
 
 GOOD = Path(__file__).with_name("good.yaml").read_text(encoding="utf-8")
 DOCS = Path(__file__).parents[2] / "docs" / "project-file.md"
@@ -324,6 +325,93 @@ def test_bad_file(tmp_path: Path, old: str, new: str, line: int, column: int, ph
     assert any(mark == Mark(line, column) and phrase in message for mark, message in said), said
 
 
+ON_FORM = """\
+flatnet: 1
+name: on a form
+edge_length: 1
+surface: {form: mannequin}
+nodes:
+  a: {landmark: crotch}
+  b: {ray: {from: [0, 300, 500], direction: [0, -2, 0]}}
+  c: {at: {line: waist, t: 1}}
+  d: {at: {curve: ab, t: 0.4}}
+curves:
+  ab: {from: a, to: b, kind: geodesic}
+  bd: {from: b, to: d, kind: fair, points: [[9, 9, 9]]}
+  ad: {from: a, to: d, section: {point: [1, 2, 3]}}
+  ring: {line: waist}
+  cut: {section: {point: [1, 2, 3], normal: [0, 0, 2]}}
+  rim: {along: boundary}
+  edge: {along: {feature: 40}, from: a, to: c}
+join: crossings
+patches:
+  p: {around: [ab, bd, "edge:a..ab.edge"]}
+"""
+
+
+def test_nodes_and_curves_of_a_surface(tmp_path: Path) -> None:
+    project = load(tmp_path, ON_FORM)
+    assert project.joins_crossings
+    nodes, curves = project.nodes, project.curves
+    assert nodes["a"].place == AtLandmark("crotch") and nodes["a"].on_surface
+    assert nodes["c"].place == OnLine("waist", 1.0)
+    assert nodes["d"].place == OnCurve("ab", None, 0.4) and not nodes["d"].on_surface
+    ray = nodes["b"].place
+    assert isinstance(ray, OnRay)
+    assert (ray.origin.tolist(), ray.direction.tolist()) == ([0, 300, 500], [0, -1, 0])
+    assert all(curve.on_surface and curve.normals.source == "surface" for curve in curves.values())
+    assert (curves["ab"].kind, curves["bd"].kind) == ("geodesic", "fair")
+    assert curves["ab"].nodes == ["a", "d", "b"]
+    assert curves["ring"].path == NamedLine("waist") and curves["ring"].closed
+    assert curves["rim"].path == MeshEdges("boundary", np.radians(30.0))
+    assert curves["edge"].path == MeshEdges("feature", np.radians(40.0))
+    cut = curves["cut"].path
+    assert isinstance(cut, PlaneSection) and cut.point is not None and cut.normal is not None
+    assert (cut.point.tolist(), cut.normal.tolist()) == ([1, 2, 3], [0, 0, 1])
+
+
+#: As BAD, for ON_FORM.
+BAD_ON_FORM = [
+    ("surface: {form: mannequin}\n", "", 5, 3, "node 'a': lies on a surface, but the file has none"),
+    ("surface: {form: mannequin}\n", "", 10, 30, "kind: geodesic is drawn on a surface, but the file has none"),
+    ("surface: {form: mannequin}\n", "", 13, 10, "line: lies on a surface, but the file has none"),
+    ("a: {landmark: crotch}", "a: {landmark: crotch, at: [0, 0, 0]}", 6, 3, "'at' and 'landmark' exclude each other"),
+    ("a: {landmark: crotch}", "a: {landmark: crotch, on: surface}", 6, 25, "'on' goes with a point [x, y, z]"),
+    ("direction: [0, -2, 0]", "direction: [0, 0, 0]", 7, 45, "a direction must not be [0, 0, 0]"),
+    (", direction: [0, -2, 0]", "", 7, 7, "ray: 'direction' is missing"),
+    ("line: waist, t: 1}", "line: waist, t: 1.2}", 8, 28, "t: must be in [0, 1], got 1.2"),
+    ("line: waist, t: 1}", "line: waist}", 8, 7, "'t' is missing; the fraction of its length, 0 to 1"),
+    ("curve: ab, t: 0.4", "curve: ab, t: 0", 9, 26, "must be greater than 0 and less than 1, got 0; at its ends"),
+    ("curve: ab, t: 0.4", "curve: rink, t: 0.4", 9, 3, "there is no curve 'rink'; did you mean 'ring'?"),
+    ("curve: ab, t: 0.4", "curve: ab:b..a, t: 0.4", 9, 3, "'ab' has no stretch b..a; it has ab:a..b"),
+    ("curve: ab, t: 0.4", "t: 0.4", 9, 7, "give 'curve' and 't', or 'line' and 't'"),
+    ("curve: ab, t: 0.4", "curve: -ab, t: 0.4", 9, 19, "expected a curve: side, or a stretch of one, side:a..b"),
+    ("curve: ab, t: 0.4", "curve: ad, t: 0.4", 13, 3, "curve 'ad': is drawn through node 'd', which lies on it"),
+    ("ab: {from: a, to: b", "ab: {from: a, points: [c], to: b", 9, 3, "say between which: ab:a..c, ab:c..b"),
+    ("ab: {from: a, to: b", "ab: {from: a, points: [d], to: b", 11, 3, "is drawn through node 'd'"),
+    ("a: {landmark: crotch}", "a: {at: {curve: bd, t: 0.5}}", 6, 3, "none of these can be drawn first, each"),
+    ("d: {at:", "e: {at: {curve: ab, t: 0.4}}\n  d: {at:", 10, 3, "'d' is at the same place as 'e'; keep one"),
+    ("ring: {line: waist}", "ring: {line: waist, along: boundary}", 14, 23, "'line' and 'along' exclude each other"),
+    ("ring: {line: waist}", "ring: {line: waist, kind: fair}", 14, 23, "'line' and 'kind' exclude each other"),
+    ("ring: {line: waist}", "ring: {line: waist, normals: [[0, 0, 1]]}", 14, 32, "the curve has no points"),
+    ("point: [1, 2, 3], normal: [0, 0, 2]", "normal: [0, 0, 2]", 15, 9, "needs 'point' and 'normal'"),
+    ("section: {point: [1, 2, 3]}", "section: {}", 13, 24, "a section needs 'point' or 'normal', or both"),
+    ("along: boundary", "along: border", 16, 16, "or {feature: <degrees>}, got 'border'"),
+    ("{feature: 40}", "{feature: 190}", 17, 27, "must be in [1, 179], got 190"),
+    ("join: crossings", "join: all", 18, 7, "join: expected 'crossings', got 'all'"),
+    ("join: crossings\n", "", 19, 24, "no stretch of 'edge' runs from 'a' to 'ab.edge'"),
+]
+
+
+@pytest.mark.parametrize("old, new, line, column, phrase", BAD_ON_FORM)
+def test_bad_file_on_a_form(tmp_path: Path, old: str, new: str, line: int, column: int, phrase: str) -> None:
+    assert old in ON_FORM
+    problems = problems_of(tmp_path, ON_FORM.replace(old, new, 1))
+    assert (line, column) in [
+        (problem.mark.line, problem.mark.column) for problem in problems if problem.mark and phrase in problem.message
+    ], [str(problem) for problem in problems]
+
+
 @pytest.mark.parametrize(
     "text, phrase",
     [
@@ -419,14 +507,14 @@ def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
 
 
 def test_the_docs_name_every_key_and_parameter() -> None:
-    from flatnet.project import curves, faces, imports, loader, marks, sewing
+    from flatnet.project import curves, faces, imports, loader, marks, nodes, paths, sewing
 
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
-        *curves._NODE_KEYS, *curves._CURVE_KEYS, *faces._PATCH_KEYS, *faces._ALSO_KEYS,
-        *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS, *sewing._DART_KEYS,
-        *imports._IMPORT_KEYS, *imports._PLACE_KEYS,
+        *nodes._NODE_KEYS, *nodes._RAY_KEYS, *nodes._AT_KEYS, *paths._SECTION_KEYS, *curves._CURVE_KEYS,
+        *faces._PATCH_KEYS, *faces._ALSO_KEYS, *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS,
+        *sewing._DART_KEYS, *imports._IMPORT_KEYS, *imports._PLACE_KEYS,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):

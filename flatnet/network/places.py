@@ -1,0 +1,108 @@
+"""Put the nodes in their places: at a point, on a ray, at a landmark, along a line or a drawn curve."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from typing import TypeVar
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.triangles import cross, dot
+from flatnet.network.curves import DrawnCurve, arclengths, spoken
+from flatnet.network.network import GeometryError
+from flatnet.project.model import AtLandmark, CurveSpec, NodeSpec, OnCurve, OnLine, OnRay, Problem
+from flatnet.project.values import nearest
+
+Floats = NDArray[np.float64]
+T = TypeVar("T")
+
+#: A ray meets a triangle that it passes by no more than this, in barycentric coordinates: edges have no gaps.
+RAY_SLACK = 1e-9
+
+
+def place_nodes(
+    nodes: Mapping[str, NodeSpec], curves: Mapping[str, CurveSpec], surface: ReferenceSurface | None
+) -> tuple[dict[str, Floats], list[Problem]]:
+    """The positions of the nodes that lie at no curve, mm, and what is wrong with others.
+
+    They are on the surface where the node or a curve through it says so.
+    """
+    projected = {name for name, node in nodes.items() if node.on_surface}
+    for curve in curves.values():
+        if curve.on_surface:
+            projected.update(curve.own_nodes)
+    places: dict[str, Floats] = {}
+    problems = []
+    for name, node in nodes.items():
+        if not isinstance(node.place, OnCurve):
+            try:
+                places[name] = _position(node, surface)
+            except GeometryError as found:
+                problems.append(found.problem)
+    on_surface = [name for name in places if name in projected]
+    if on_surface:
+        assert surface is not None, "a project whose nodes lie on a surface has one"
+        feet, _ = surface.nearest(np.array([places[name] for name in on_surface]))
+        places |= zip(on_surface, np.array(feet), strict=True)
+    return places, problems
+
+
+def _position(node: NodeSpec, surface: ReferenceSurface | None) -> Floats:
+    """Where a node is said to be, (3,) mm; not yet taken to the surface."""
+    if node.place is None:
+        return np.array(node.position, dtype=float)
+    assert surface is not None, "a project whose nodes lie on a surface has one"
+    if isinstance(node.place, OnRay):
+        return _first_hit(node, node.place, surface)
+    if isinstance(node.place, AtLandmark):
+        return np.array(_named(node, "landmark", node.place.landmark, surface.landmarks))
+    assert isinstance(node.place, OnLine), "a node on a curve is placed when that is drawn"
+    line = _named(node, "line", node.place.line, surface.lines).points
+    along = arclengths(line)
+    return np.array([np.interp(node.place.t * along[-1], along, column) for column in line.T])
+
+
+def _named(node: NodeSpec, what: str, name: str, known: Mapping[str, T]) -> T:
+    if name not in known:
+        hint = nearest(name, known, f"{what}s").replace("the file has", "the surface has")
+        raise GeometryError(node.mark, f"node '{node.name}': there is no {what} '{name}'; {hint}")
+    return known[name]
+
+
+def _first_hit(node: NodeSpec, ray: OnRay, surface: ReferenceSurface) -> Floats:
+    """Where a ray first meets the surface (Moller, Trumbore, 1997)."""
+    corners = surface.mesh.triangles
+    u, v, w = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], ray.origin - corners[:, 0]
+    across = np.cross(ray.direction, v)
+    volume = dot(u, across)
+    safe = np.where(volume == 0.0, 1.0, volume)
+    turned = cross(w, u)
+    a, b, distance = dot(w, across) / safe, turned @ ray.direction / safe, dot(v, turned) / safe
+    hit = (volume != 0.0) & (np.minimum(np.minimum(a, b), 1.0 - a - b) >= -RAY_SLACK) & (distance >= 0.0)
+    if not hit.any():
+        raise GeometryError(
+            node.mark,
+            f"node '{node.name}': its ray from {spoken(ray.origin)} misses the surface; turn it round, or aim nearer "
+            f"to the nearest place on it, {spoken(surface.nearest(ray.origin[None])[0][0])}",
+        )
+    return np.asarray(ray.origin + distance[hit].min() * ray.direction)
+
+
+def cut_at_fractions(curve: CurveSpec, drawn: DrawnCurve) -> tuple[DrawnCurve, dict[str, Floats]]:
+    """The curve with the nodes at fractions of its length, and their places."""
+    arcs = drawn.arclengths
+    own = [index for index, _ in drawn.nodes]
+    ends = own + [len(arcs) - 1] if drawn.control.closed and own else own or [0, len(arcs) - 1]
+    places = {}
+    cuts = []
+    for each in curve.fractions:
+        # Counted in the order of the file; a closed curve starts at its first node there, too.
+        first, last = arcs[ends[each.stretch]], arcs[ends[each.stretch + 1]]
+        parameter = float(np.interp(first + each.t * (last - first), arcs, drawn.parameters))
+        places[each.node] = drawn.at(np.array([parameter]))[0]
+        cuts.append((parameter, each.node))
+    for parameter, node in cuts:
+        drawn = drawn.cut(parameter, node, places[node])
+    return drawn, places
