@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping
 from flatnet.forms.mannequin import mannequin
 from flatnet.forms.measurements import MeasurementError
 from flatnet.forms.mesh_file import MeshFileError, read_mesh
+from flatnet.forms.shoe_last import shoe_last
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.project.model import FormSurface, MeshSurface, Problem, Project, ProjectError
 from flatnet.project.values import nearest
@@ -14,7 +15,10 @@ from flatnet.project.values import nearest
 __all__ = ["FORMS", "ReferenceSurface", "make_surface"]
 
 #: Name in the project file -> the form made from measurements in mm; raises `MeasurementError`.
-FORMS: dict[str, Callable[[Mapping[str, float | str]], ReferenceSurface]] = {"mannequin": mannequin}
+FORMS: dict[str, Callable[[Mapping[str, float | str]], ReferenceSurface]] = {
+    "mannequin": mannequin,
+    "shoe_last": shoe_last,
+}
 
 
 def make_surface(project: Project) -> ReferenceSurface | None:

@@ -7,6 +7,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
+from flatnet.project.model import PLAIN_NUMBERS
 from flatnet.project.values import nearest
 
 Form = TypeVar("Form")
@@ -41,7 +42,9 @@ def read_measurements(form: type[Form], measurements: Mapping[str, float | str])
         if isinstance(default, str):
             continue
         if isinstance(value, bool | str) or not math.isfinite(value):
-            messages.append(f"{name} must be a length, got {value!r}")
+            messages.append(f"{name} must be a {'number' if name in PLAIN_NUMBERS else 'length'}, got {value!r}")
+        elif default is None or name in PLAIN_NUMBERS:
+            continue  # the form knows its range
         elif not default / PLAUSIBLE_FACTOR <= value <= default * PLAUSIBLE_FACTOR:
             messages.append(
                 f"{name} must be in [{default / PLAUSIBLE_FACTOR:.0f}, {default * PLAUSIBLE_FACTOR:.0f}] mm, "

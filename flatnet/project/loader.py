@@ -13,7 +13,7 @@ from flatnet.parameters import FairParameters, Limits, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.imports import read_imports
-from flatnet.project.model import FormSurface, Material, MeshSurface, Problem, Project, ProjectError
+from flatnet.project.model import PLAIN_NUMBERS, FormSurface, Material, MeshSurface, Problem, Project, ProjectError
 from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
 from flatnet.project.section import Section
@@ -182,7 +182,9 @@ def _form(section: Section, mm_per_unit: float) -> FormSurface:
     return FormSurface(
         form=section.get("form", name, ""),
         measurements={
-            key: section.get(key, measurement, placeholder) for key in section.values if key != "form"
+            key: section.get(key, number if key in PLAIN_NUMBERS else measurement, placeholder)
+            for key in section.values
+            if key != "form"
         },
         mark=section.mark,
     )

@@ -46,6 +46,10 @@ class ProjectError(Exception):
         super().__init__("\n".join(problem.located(file) for problem in self.problems))
 
 
+#: Measurements of forms that are plain numbers, not lengths.
+PLAIN_NUMBERS = ("size",)
+
+
 @dataclass(frozen=True, eq=False)
 class FormSurface:
     """A parametric form of ours; lengths among `measurements` in mm.
