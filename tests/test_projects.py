@@ -44,6 +44,16 @@ def test_the_folder_holds_what_the_report_lists(out, report):
     assert report["status"] == "ok"
 
 
+#: Vertices of each example in the paper's Table 1, those on two patches counted twice.
+TABLE_1 = {"wrinkle": 654, "pants": 5010, "shoe_1": 1459, "shoe_2": 1460}
+
+
+def test_the_papers_examples_have_the_papers_mesh_sizes(report):
+    if report["project"] in TABLE_1:
+        vertices = sum(patch["metrics"]["vertices"] for patch in report["patches"])
+        assert vertices == pytest.approx(TABLE_1[report["project"]], rel=0.1)
+
+
 def test_every_interior_vertex_is_flattenable(meshes):
     for vertices, _, triangles in meshes.values():
         interior = np.setdiff1d(np.arange(len(vertices)), boundary_vertices(triangles))

@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.network.network import GeometryError
-from flatnet.project.model import CurveSpec
+from flatnet.project.model import CurveSpec, OnLine
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -116,9 +116,11 @@ class CurveSamples:
     stretches: tuple[StretchSamples, ...]
 
 
-def control_polygon(curve: CurveSpec, places: Mapping[str, Floats]) -> ControlPolygon:
-    """The points of a curve, its nodes in their places; a closed one starts at a node if it has any."""
-    entries: list[str | Floats] = list(curve.points)
+def control_polygon(
+    curve: CurveSpec, places: Mapping[str, Floats], guides: Mapping[OnLine, Floats]
+) -> ControlPolygon:
+    """The points of a curve, its nodes and guides in their places; a closed one starts at a node if it has any."""
+    entries: list[str | OnLine | Floats] = list(curve.points)
     if curve.start is not None:
         entries.insert(0, curve.start)
     closed = curve.closed or (curve.start is not None and curve.start == curve.end)
@@ -129,7 +131,11 @@ def control_polygon(curve: CurveSpec, places: Mapping[str, Floats]) -> ControlPo
         shift = next((i for i, entry in enumerate(entries) if isinstance(entry, str)), 0)
         entries = entries[shift:] + entries[:shift]
         entries.append(entries[0])
-    positions = np.array([places[e] if isinstance(e, str) else e for e in entries], dtype=float)
+
+    def position(entry: str | OnLine | Floats) -> Floats:
+        return guides[entry] if isinstance(entry, OnLine) else places[entry] if isinstance(entry, str) else entry
+
+    positions = np.array([position(entry) for entry in entries], dtype=float)
     nodes = tuple(e if isinstance(e, str) else None for e in entries)
     return ControlPolygon(positions.reshape(-1, 3), nodes, closed, shift)
 

@@ -14,6 +14,7 @@ from flatnet.network.fair_curves import relaxed
 from flatnet.network.geodesics import NoWayError, geodesics
 from flatnet.network.network import GeometryError
 from flatnet.network.paths import follow
+from flatnet.network.places import place_guides
 from flatnet.project.model import CurveSpec
 
 Floats = NDArray[np.float64]
@@ -46,7 +47,7 @@ def draw_curve(
         Two points coincide; the projection jumps; there is no way on the surface; the path is not there, or not
         where the nodes are.
     """
-    control = control_polygon(curve, places)
+    control = control_polygon(curve, places, place_guides(curve, surface))
     if curve.path is not None:
         assert surface is not None, "a project whose curves lie on a surface has one"
         followed, points, index = follow(curve, control, surface)

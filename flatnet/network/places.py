@@ -57,17 +57,37 @@ def _position(node: NodeSpec, surface: ReferenceSurface | None) -> Floats:
     if isinstance(node.place, OnRay):
         return _first_hit(node, node.place, surface)
     if isinstance(node.place, AtLandmark):
-        return np.array(_named(node, "landmark", node.place.landmark, surface.landmarks))
+        return np.array(_named(node, f"node '{node.name}'", "landmark", node.place.landmark, surface.landmarks))
     assert isinstance(node.place, OnLine), "a node on a curve is placed when that is drawn"
-    line = _named(node, "line", node.place.line, surface.lines).points
+    return _on_line(node, f"node '{node.name}'", node.place, surface)
+
+
+def place_guides(curve: CurveSpec, surface: ReferenceSurface | None) -> dict[OnLine, Floats]:
+    """The positions, (3,) mm, of a curve's points on lines of the form, which guide it and are no nodes.
+
+    Raises
+    ------
+    GeometryError
+        The surface has no such line.
+    """
+    guides = {}
+    for point in curve.points:
+        if isinstance(point, OnLine):
+            assert surface is not None, "a project whose curves lie on a surface has one"
+            guides[point] = _on_line(curve, f"curve '{curve.name}'", point, surface)
+    return guides
+
+
+def _on_line(spec: NodeSpec | CurveSpec, who: str, place: OnLine, surface: ReferenceSurface) -> Floats:
+    line = _named(spec, who, "line", place.line, surface.lines).points
     along = arclengths(line)
-    return np.array([np.interp(node.place.t * along[-1], along, column) for column in line.T])
+    return np.array([np.interp(place.t * along[-1], along, column) for column in line.T])
 
 
-def _named(node: NodeSpec, what: str, name: str, known: Mapping[str, T]) -> T:
+def _named(spec: NodeSpec | CurveSpec, who: str, what: str, name: str, known: Mapping[str, T]) -> T:
     if name not in known:
         hint = nearest(name, known, f"{what}s").replace("the file has", "the surface has")
-        raise GeometryError(node.mark, f"node '{node.name}': there is no {what} '{name}'; {hint}")
+        raise GeometryError(spec.mark, f"{who}: there is no {what} '{name}'; {hint}")
     return known[name]
 
 

@@ -12,8 +12,8 @@ import yaml
 
 from flatnet.project.drawings import READERS
 from flatnet.project.imports import ImportedCurve, read_drawing_at
-from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec
-from flatnet.project.nodes import NOWHERE, on_surface
+from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec, OnLine
+from flatnet.project.nodes import NOWHERE, on_surface, read_on_line
 from flatnet.project.paths import PATH_KEYS, read_path
 from flatnet.project.section import Section
 from flatnet.project.sewing import SEAM_KEYS, read_seam
@@ -75,6 +75,7 @@ class _Place:
     projected: bool
     later: bool
     yaml_node: yaml.Node
+    on_line: OnLine | None = None
 
 
 def read_curves(
@@ -129,7 +130,7 @@ def _curve(key: str, section: Section, setting: CurveSetting, drawn: ImportedCur
         start=places[0].node if places and places[0].label == "from" else None,
         end=places[-1].node if places and places[-1].label == "to" else None,
         points=tuple(
-            place.position if place.node is None else place.node
+            place.on_line or (place.position if place.node is None else place.node)
             for place in places
             if place.label not in ("from", "to")
         ),
@@ -168,6 +169,9 @@ def _places(section: Section, setting: CurveSetting, projected: bool) -> list[_P
     def place(label: str, node: yaml.Node) -> _Place:
         if isinstance(node, yaml.SequenceNode) and label not in ("from", "to"):
             return _Place(label, None, section.read(label, node, point, NOWHERE), projected, False, node)
+        if isinstance(node, yaml.MappingNode) and label not in ("from", "to"):
+            on_line = read_on_line(section, label, node, setting.has_surface)
+            return _Place(label, None, NOWHERE, projected, True, node, on_line)
         text = section.read(label, node, scalar("the name of a node"), "")
         spec = setting.nodes.get(text)
         if text and spec is None:
@@ -252,7 +256,8 @@ def _check_places(
     unreadable = any(np.isnan(place.position).any() and not place.later for place in places)
     if not section.is_mapping or unreadable or np.isnan(edge_length):
         return
-    different = len(np.unique(path[~unknown], axis=0)) + len({place.node for place in places if place.later})
+    later = {place.on_line or place.node for place in places if place.later}
+    different = len(np.unique(path[~unknown], axis=0)) + len(later)
     if different < needed:
         what = "a closed curve" if closed else "a curve"
         section.problem(section.mark, f"{what} needs at least {needed} different places, got {different}")

@@ -275,7 +275,7 @@ class CurveSpec:
     Attributes
     ----------
     start, end : node names; None for a closed curve without node, equal for a closed curve with one.
-    points : between start and end: a node's name or (3,) mm.
+    points : between start and end: a node's name, (3,) mm, or a place on a line of the form.
     closed : the last point is joined to the first.
     kind : how it runs from point to point where it follows no `path`.
     on_surface : every curve on a path is.
@@ -289,7 +289,7 @@ class CurveSpec:
     name: str
     start: str | None
     end: str | None
-    points: tuple[str | Floats, ...]
+    points: tuple[str | Floats | OnLine, ...]
     closed: bool
     kind: Literal["polyline", "spline", "geodesic", "fair"]
     on_surface: bool

@@ -26,6 +26,7 @@ from flatnet.project.section import Section
 from flatnet.project.values import (
     NAME,
     WrongValueError,
+    between,
     direction,
     frozen,
     nearest,
@@ -35,11 +36,12 @@ from flatnet.project.values import (
     scalar,
     wrong,
 )
-from flatnet.project.yaml_nodes import describe
+from flatnet.project.yaml_nodes import describe, mark_of
 
 _NODE_KEYS = ("at", "ray", "landmark", "on")
 _RAY_KEYS = ("from", "direction")
 _AT_KEYS = ("curve", "line", "t")
+_GUIDE_KEYS = ("line", "t")
 _STRETCH = re.compile(rf"({NAME})(?::({NAME})\.\.({NAME}))?")
 #: Stands for a point that could not be read, or that only the geometry tells; it is nowhere, so that no other
 #: check complains about it.
@@ -119,14 +121,25 @@ def _at_fraction(section: Section) -> OnLine | OnCurve | None:
     if len(ways) != 1:
         at.problem(at.mark, "give 'curve' and 't', or 'line' and 't' (or a point [x, y, z])")
         return None
-    t = at.require("t", number if ways == ["line"] else _inner_fraction, np.nan, "the fraction of its length, 0 to 1")
-    if not 0.0 <= t <= 1.0 and not np.isnan(t):
-        at.problem(at.values["t"], f"t: must be in [0, 1], got {t:g}")
     if ways == ["line"]:
-        return OnLine(at.get("line", scalar("the name of a line of the form"), ""), t)
+        return _on_line(at)
+    t = at.require("t", _inner_fraction, np.nan, "the fraction of its length, 0 to 1")
     nothing: tuple[str, tuple[str, str] | None] = ("", None)
     curve, stretch = at.get("curve", _stretch, nothing)
     return OnCurve(curve, stretch, t)
+
+
+def read_on_line(section: Section, label: str, node: yaml.Node, has_surface: bool) -> OnLine:
+    """A point among a curve's, {line: ..., t: ...}, that only guides it."""
+    place = Section(node, f"{section.title}: {label}", mark_of(node), _GUIDE_KEYS, section.problems)
+    if not has_surface:
+        place.problem(node, "lies on a line of a form, but the file has no surface; add `surface: ...` at its top")
+    return _on_line(place)
+
+
+def _on_line(section: Section) -> OnLine:
+    line = section.require("line", scalar("the name of a line of the form"), "")
+    return OnLine(line, section.require("t", between(number, 0.0, 1.0), np.nan, "the fraction of its length, 0 to 1"))
 
 
 def _inner_fraction(node: yaml.Node) -> float:

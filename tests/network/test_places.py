@@ -49,6 +49,28 @@ class TestRays:
         )
 
 
+class TestGuides:
+    """Points of a curve at fractions of lines: it passes there, and has no node."""
+
+    def test_a_curve_passes_its_guides_and_is_not_cut(self, tmp_path):
+        surface = mannequin({"half": "both"})
+        nodes = {name: {"at": {"line": "waist", "t": t}} for name, t in (("a", 0.1), ("b", 0.4))}
+        guide = {"line": "hip", "t": 0.25}
+        curves = {"c": {"kind": "fair", "from": "a", "to": "b", "points": [guide], "edge_length": 2}}
+        places, stretches, problems = places_of(tmp_path, surface, nodes=nodes, curves=curves)
+        assert not problems and set(places) == {"a", "b"} and list(stretches) == ["c"]
+        line = surface.lines["hip"].points
+        along = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(line, axis=0), axis=1))])
+        there = np.array([np.interp(0.25 * along[-1], along, column) for column in line.T])
+        assert np.linalg.norm(stretches["c"].vertices - there, axis=1).min() < 1.01  # half an edge
+
+    def test_an_unknown_line_is_named(self, tmp_path):
+        nodes = {name: {"at": {"line": "waist", "t": t}} for name, t in (("a", 0.1), ("b", 0.4))}
+        curves = {"c": {"kind": "fair", "from": "a", "to": "b", "points": [{"line": "hips", "t": 0.25}]}}
+        _, _, [message] = places_of(tmp_path, mannequin({"half": "both"}), nodes=nodes, curves=curves)
+        assert message.startswith("curve 'c': there is no line 'hips'; did you mean 'hip'?")
+
+
 class TestForms:
     def test_landmarks_and_fractions_of_lines(self, tmp_path):
         surface = mannequin({"half": "both"})

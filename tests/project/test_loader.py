@@ -337,7 +337,7 @@ nodes:
   d: {at: {curve: ab, t: 0.4}}
 curves:
   ab: {from: a, to: b, kind: geodesic}
-  bd: {from: b, to: d, kind: fair, points: [[9, 9, 9]]}
+  bd: {from: b, to: d, kind: fair, points: [[9, 9, 9], {line: hip, t: 0.25}]}
   ad: {from: a, to: d, section: {point: [1, 2, 3]}}
   ring: {line: waist}
   cut: {section: {point: [1, 2, 3], normal: [0, 0, 2]}}
@@ -362,6 +362,7 @@ def test_nodes_and_curves_of_a_surface(tmp_path: Path) -> None:
     assert all(curve.on_surface and curve.normals.source == "surface" for curve in curves.values())
     assert (curves["ab"].kind, curves["bd"].kind) == ("geodesic", "fair")
     assert curves["ab"].nodes == ["a", "d", "b"]
+    assert curves["bd"].points[1] == OnLine("hip", 0.25) and curves["bd"].nodes == ["b", "d"]
     assert curves["ring"].path == NamedLine("waist") and curves["ring"].closed
     assert curves["rim"].path == MeshEdges("boundary", np.radians(30.0))
     assert curves["edge"].path == MeshEdges("feature", np.radians(40.0))
@@ -381,6 +382,10 @@ BAD_ON_FORM = [
     (", direction: [0, -2, 0]", "", 7, 7, "ray: 'direction' is missing"),
     ("line: waist, t: 1}", "line: waist, t: 1.2}", 8, 28, "t: must be in [0, 1], got 1.2"),
     ("line: waist, t: 1}", "line: waist}", 8, 7, "'t' is missing; the fraction of its length, 0 to 1"),
+    ("{line: hip, t: 0.25}", "{line: hip, t: -1}", 12, 71, "curve 'bd': point 2: t: must be in [0, 1], got -1"),
+    ("{line: hip, t: 0.25}", "{line: hip}", 12, 56, "'t' is missing; the fraction of its length, 0 to 1"),
+    ("{line: hip, t: 0.25}", "{curve: ab, t: 0.25}", 12, 57, "unknown key 'curve'"),
+    ("surface: {form: mannequin}\n", "", 11, 56, "lies on a line of a form, but the file has no surface"),
     ("curve: ab, t: 0.4", "curve: ab, t: 0", 9, 26, "must be greater than 0 and less than 1, got 0; at its ends"),
     ("curve: ab, t: 0.4", "curve: rink, t: 0.4", 9, 3, "there is no curve 'rink'; did you mean 'ring'?"),
     ("curve: ab, t: 0.4", "curve: ab:b..a, t: 0.4", 9, 3, "'ab' has no stretch b..a; it has ab:a..b"),

@@ -1,14 +1,18 @@
-"""Real scans from end to end: the hole in a statue, a pair of trousers in four panels."""
+"""Real scans from end to end: the hole in a statue, a pair of trousers in four panels, a slip-on in four pieces."""
 
 import pytest
 from moai_hole import moai_project
 from pants_mesh import pants_project
+from shoe_mesh import shoe_project
 from written import read_obj, read_report
 
 from flatnet.cli import main
 
 
-@pytest.mark.parametrize("make_project", [moai_project, pants_project], ids=["statue", "trousers"])
+REAL = {"statue": moai_project, "trousers": pants_project, "slip-on": shoe_project}
+
+
+@pytest.mark.parametrize("make_project", REAL.values(), ids=REAL.keys())
 def test_every_panel_reaches_the_cut_file(make_project, tmp_path):
     project = make_project(tmp_path)
     out = tmp_path / "out"
