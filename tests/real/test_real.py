@@ -8,7 +8,6 @@ from written import read_obj, read_report
 
 from flatnet.cli import main
 
-
 REAL = {"statue": moai_project, "trousers": pants_project, "slip-on": shoe_project}
 
 
