@@ -7,15 +7,19 @@ from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
 from pathlib import Path
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
-from flatnet.export.output import REPORT, OutputFolder
+from flatnet.export.output import HEIGHTS, REPORT, OutputFolder
 from flatnet.export.svg import write_layout, write_piece
 from flatnet.failure import REPORT_IT, Finding, PatchFailure
 from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.fitting.run import run_patch
-from flatnet.forms import make_surface
+from flatnet.forms import ReferenceSurface, make_surface
+from flatnet.forms.distance import signed_distance
 from flatnet.geometry.polygon import side_lengths
 from flatnet.nesting.layout import Layout
 from flatnet.nesting.nest import nest
@@ -89,9 +93,12 @@ def build(
             pieces, results = _make_pieces(project, seams, results)
             layouts, unlaid = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
             named = dict(zip(_layout_files(layouts), layouts, strict=True))
-            files = [*_write(output.staging, project, network, results, pieces, named), REPORT]
+            heights = _heights(results, surface)
+            files = [*_write(output.staging, project, network, results, heights, pieces, named), REPORT]
             findings = [*project.findings, *unlaid]
-            report = make_report(project.name, network, seams, surface, results, named, findings, sorted(files))
+            report = make_report(
+                project.name, network, seams, heights, project.clearance, results, named, findings, sorted(files)
+            )
             (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
             output.commit(files)
     return BuildResult(output.folder, report)
@@ -208,6 +215,16 @@ def _pieces_of(project: Project, seams: Mapping[str, Seam], fitted: FittedPatch)
     ]
 
 
+def _heights(
+    results: Sequence[FittedPatch | FailedPatch], surface: ReferenceSurface | None
+) -> dict[str, NDArray[np.float64]]:
+    """Of every fitted patch, how far its vertices lie outside the reference surface, mm; none without one."""
+    if surface is None:
+        return {}
+    fitted = [result for result in results if isinstance(result, FittedPatch)]
+    return {result.patch.name: signed_distance(surface, result.mesh.vertices) for result in fitted}
+
+
 def _layout_files(layouts: Sequence[Layout]) -> list[str]:
     """A file name for every sheet, distinct whatever the materials are called."""
     titles = [
@@ -235,6 +252,7 @@ def _write(
     project: Project,
     network: CurveNetwork,
     results: Sequence[FittedPatch | FailedPatch],
+    heights: Mapping[str, NDArray[np.float64]],
     pieces: Sequence[Piece],
     layouts: dict[str, Layout],
 ) -> list[str]:
@@ -245,6 +263,10 @@ def _write(
     files = ["network.json", STORED_LAYOUT, *layouts]
     write_network(folder / "network.json", network)
     write_stored(folder / STORED_LAYOUT, layouts.values())
+    if heights:
+        files.append(HEIGHTS)
+        rounded = {name: values.round(4).tolist() for name, values in heights.items()}
+        (folder / HEIGHTS).write_text(json.dumps(rounded) + "\n", encoding="utf-8")
     for result in results:
         if isinstance(result, FittedPatch):
             name = names[result.patch.name]

@@ -20,6 +20,8 @@ from filelock import FileLock
 #: What a report says of itself; a folder with such a report is one of ours.
 REPORT_FORMAT = "flatnet-report/1"
 REPORT = "report.json"
+#: Of every vertex of every patch, how far it lies outside the reference surface, mm.
+HEIGHTS = "surface_distance.json"
 _STAGING = ".flatnet-unfinished-"
 _MANIFEST = "manifest.json"
 #: What ends a process from outside; Windows has no SIGHUP.

@@ -53,7 +53,7 @@ _TOP_KEYS = (
     "nesting",
     "limits",
 )
-_MESH_KEYS = ("mesh", "units", "up", "outer")
+_MESH_KEYS = ("mesh", "units", "up", "outer", "clearance")
 _MESH_FILES = (".obj", ".stl", ".ply")
 _MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance")
 #: Rotations by the kind of material: with a grain, with a grain that has a direction, without.
@@ -62,6 +62,8 @@ _ROTATIONS: dict[str, tuple[float, ...] | None] = {"woven": (0.0, 180.0), "nap":
 _DEFAULT_MATERIAL = Material("default", width=1500.0)
 #: chord_tolerance where the file says none, in edge lengths.
 _CHORD_TOLERANCE = 1.0 / 50.0
+#: clearance of a surface where the file says none, in edge lengths.
+_CLEARANCE = 0.5
 
 
 def load_project(path: str | Path) -> Project:
@@ -129,7 +131,7 @@ def _project(file: Path, top: Section) -> Project:
         name=top.require("name", title, ""),
         edge_length=edge_length,
         chord_tolerance=top.get("chord_tolerance", size, edge_length * _CHORD_TOLERANCE),
-        surface=_surface(file, top, mm_per_unit) if has_surface else None,
+        surface=_surface(file, top, mm_per_unit, edge_length) if has_surface else None,
         findings=imports.findings,
         nodes=nodes,
         curves=curves,
@@ -144,13 +146,16 @@ def _project(file: Path, top: Section) -> Project:
     )
 
 
-def _surface(file: Path, top: Section, mm_per_unit: float) -> FormSurface | MeshSurface | None:
+def _surface(
+    file: Path, top: Section, mm_per_unit: float, edge_length: float
+) -> FormSurface | MeshSurface | None:
     node, mark = top.values["surface"], mark_of(top.keys["surface"])
     section = Section(node, "surface", mark, None, top.problems)
+    clearance = section.get("clearance", length_in(mm_per_unit, negative=False), edge_length * _CLEARANCE)
     if "form" in section.values and "mesh" in section.values:
         section.problem(mark, "'form' and 'mesh' exclude each other; keep one")
     elif "form" in section.values:
-        return _form(section, mm_per_unit)
+        return _form(section, mm_per_unit, clearance)
     elif "mesh" in section.values:
         section = Section(node, "surface", mark, _MESH_KEYS, top.problems)
         return MeshSurface(
@@ -161,13 +166,14 @@ def _surface(file: Path, top: Section, mm_per_unit: float) -> FormSurface | Mesh
                 Literal["outside", "inside"], section.get("outer", one_of("outside", "inside"), "outside")
             ),
             mark=mark,
+            clearance=clearance,
         )
     elif section.is_mapping:
         section.problem(mark, "needs 'form: <name>' or 'mesh: <file>'")
     return None
 
 
-def _form(section: Section, mm_per_unit: float) -> FormSurface:
+def _form(section: Section, mm_per_unit: float, clearance: float) -> FormSurface:
     length = length_in(mm_per_unit)
 
     def measurement(node: yaml.Node) -> float | str:
@@ -184,9 +190,10 @@ def _form(section: Section, mm_per_unit: float) -> FormSurface:
         measurements={
             key: section.get(key, number if key in PLAIN_NUMBERS else measurement, placeholder)
             for key in section.values
-            if key != "form"
+            if key not in ("form", "clearance")
         },
         mark=section.mark,
+        clearance=clearance,
     )
 
 

@@ -55,22 +55,26 @@ class FormSurface:
     """A parametric form of ours; lengths among `measurements` in mm.
 
     Which measurements a form has and what they may be, the form checks.
+
+    clearance : how far patches may cut into it before they are warned of, mm.
     """
 
     form: str
     measurements: Mapping[str, float | str]
     mark: Mark
+    clearance: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
 class MeshSurface:
-    """A mesh file of the user; `outer` is the side that the normals point to."""
+    """A mesh file of the user; `outer` is the side that the normals point to, `clearance` as of a form."""
 
     path: Path
     mm_per_unit: float
     up: Literal["x", "y", "z"]
     outer: Literal["outside", "inside"]
     mark: Mark
+    clearance: float = 0.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -490,3 +494,8 @@ class Project:
     def title(self) -> str:
         """Name and size, as printed on pieces and layouts."""
         return f"{self.name} · {self.size}" if self.size else self.name
+
+    @property
+    def clearance(self) -> float:
+        """How far patches may cut into the surface before they are warned of, mm; 0 without one."""
+        return self.surface.clearance if self.surface else 0.0

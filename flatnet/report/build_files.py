@@ -13,7 +13,7 @@ import numpy as np
 from flatnet.export.drawn_layout import DrawnPiece, read_layout
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
-from flatnet.export.output import REPORT, REPORT_FORMAT
+from flatnet.export.output import HEIGHTS, REPORT, REPORT_FORMAT
 from flatnet.fitting.results import Floats, Ints, SurfaceMesh
 
 _Content = TypeVar("_Content")
@@ -25,12 +25,16 @@ class BuildFilesError(Exception):
 
 @dataclass(frozen=True, eq=False)
 class BuiltPatch:
-    """The written meshes of one patch; `flat`, (m, 2) float, mm, belongs to `mesh`."""
+    """The written meshes of one patch; `flat`, (m, 2) float, mm, belongs to `mesh`.
+
+    heights : (m,) float, mm, of the vertices of `mesh` over the reference surface; None where there is none.
+    """
 
     name: str
     warped: SurfaceMesh
     mesh: SurfaceMesh
     flat: Floats
+    heights: Floats | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,11 +77,12 @@ def read_build(folder: Path) -> BuildFiles:
         layouts = [record["file"] for record in report["layouts"]]
     except (KeyError, TypeError) as error:
         raise BuildFilesError(f"{folder / REPORT}: incomplete, {error}; build again") from None
+    heights = _read(folder / HEIGHTS, _object) if HEIGHTS in files else {}
     return BuildFiles(
         report=report,
         network=_read(folder / "network.json", _object),
         patches=tuple(
-            _patch(folder / "patches", name, file)
+            _patch(folder / "patches", name, file, heights.get(name))
             for name, file in names.items()
             if f"patches/{file}.obj" in files
         ),
@@ -85,7 +90,7 @@ def read_build(folder: Path) -> BuildFiles:
     )
 
 
-def _patch(folder: Path, name: str, file: str) -> BuiltPatch:
+def _patch(folder: Path, name: str, file: str, heights: list[float] | None) -> BuiltPatch:
     vertices, triangles, flat = _read(folder / f"{file}.obj", read_obj)
     warped, warped_triangles, _ = _read(folder / f"{file}.initial.obj", read_obj)
     return BuiltPatch(
@@ -93,6 +98,7 @@ def _patch(folder: Path, name: str, file: str) -> BuiltPatch:
         warped=SurfaceMesh(warped, warped_triangles, _boundary_count(warped_triangles)),
         mesh=SurfaceMesh(vertices, triangles, _boundary_count(triangles)),
         flat=flat,
+        heights=None if heights is None else np.array(heights),
     )
 
 

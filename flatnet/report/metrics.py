@@ -6,14 +6,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.fitting.results import FittedPatch
-from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.intersections import self_intersections
 from flatnet.geometry.triangles import (
     area_vectors,
     bending,
     boundary_triangles,
     corner_angles,
-    dot,
     hinge_angles,
     hinges_of,
     signed_areas,
@@ -51,16 +49,13 @@ def boundary_error(fitted: FittedPatch) -> float:
     return float(np.linalg.norm(on_mesh - boundary.vertices, axis=1).max())
 
 
-def surface_distance(fitted: FittedPatch, surface: ReferenceSurface) -> dict[str, float]:
-    """Distance of the mesh's vertices from the reference surface, mm; `max_inside` is below its outer side."""
-    nearest, normals = surface.nearest(fitted.mesh.vertices)
-    offset = fitted.mesh.vertices - nearest
-    distance = np.linalg.norm(offset, axis=1)
-    inside = dot(offset, normals) < 0.0
+def surface_distance(heights: Floats) -> dict[str, float]:
+    """The `surface_distance_mm` of a patch whose vertices lie so far outside (positive) or inside the surface."""
     return {
-        "mean": float(distance.mean()),
-        "max": float(distance.max()),
-        "max_inside": float(distance[inside].max(initial=0.0)),
+        "mean": float(np.abs(heights).mean()),
+        "max": float(np.abs(heights).max()),
+        "max_outside": float(heights.max(initial=0.0)),
+        "max_inside": float((-heights).max(initial=0.0)),
     }
 
 
@@ -75,8 +70,13 @@ def wrinkle_record(wrinkles: Wrinkles) -> dict[str, float]:
     }
 
 
-def metrics(fitted: FittedPatch, surface: ReferenceSurface | None) -> dict[str, object]:
-    """The `metrics` of a patch in report.json."""
+def metrics(fitted: FittedPatch, heights: Floats | None) -> dict[str, object]:
+    """The `metrics` of a patch in report.json.
+
+    Parameters
+    ----------
+    heights : (m,) float, mm: of its vertices over the reference surface; None where there is none.
+    """
     mesh = fitted.mesh
     deviations = np.degrees(normal_deviations(fitted))
     hinges = hinges_of(mesh.triangles)
@@ -93,7 +93,7 @@ def metrics(fitted: FittedPatch, surface: ReferenceSurface | None) -> dict[str, 
         "max_normal_deviation_deg": float(deviations.max()),
         "mean_normal_deviation_deg": float(deviations.mean()),
         "wrinkles": wrinkle_record(mesh.wrinkles),
-        "surface_distance_mm": surface_distance(fitted, surface) if surface is not None else None,
+        "surface_distance_mm": surface_distance(heights) if heights is not None else None,
         "lemma_2_margin_rad": fitted.planar_boundary.lemma_2_margin,
         "max_dihedral_deg": float(np.degrees(np.abs(hinge_angles(mesh.vertices, hinges)).max(initial=0.0))),
         "bending": bending(mesh.vertices, mesh.triangles),

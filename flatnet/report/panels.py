@@ -34,6 +34,8 @@ RED = 0.02
 COLOURS = LinearSegmentedColormap.from_list(
     "flattenability", ["#2a52be", "#2f9ad6", "#7fd0b0", "#f2e266", "#f4902c", "#c8102e"]
 )
+#: Distances from the reference surface, from inside to outside.
+DISTANCES = LinearSegmentedColormap.from_list("distance", ["#b2182b", "#f4a582", "#f7f7f7", "#92c5de", "#2166ac"])
 OUTSIDE, INSIDE = np.array([0.95, 0.95, 0.93]), np.array([0.86, 0.58, 0.44])
 INK = np.array([0.10, 0.12, 0.20])
 NORMAL, RIGHT_NORMAL = np.array([0.80, 0.15, 0.12]), np.array([0.10, 0.50, 0.25])
@@ -85,6 +87,9 @@ def panels_of(build: BuildFiles) -> list[Panel]:
     ]
     low = np.min([panel.low for panel in alike], axis=0)
     high = np.max([panel.high for panel in alike], axis=0)
+    heights = [patch.heights[patch.mesh.triangles] for patch in build.patches if patch.heights is not None]
+    if len(heights) == len(build.patches):
+        alike.append(distance_panel(np.concatenate(heights), fitted, first))
     return [
         *(replace(panel, low=low, high=high) for panel in alike),
         shaded_panel("from another side", fitted, second),
@@ -150,6 +155,15 @@ def flattenability_panel(caption: str, surface: Surface, camera: Camera) -> Pane
     colours = COLOURS(Normalize(0.0, RED)(surface.flattenability))[:, :3]
     colours = colours * (0.6 + 0.4 * brightness[:, None])
     # Strokes in the triangles' own colours close the hairlines between them.
+    return _surface_panel(caption, surface, camera, colours, colours, 0.5)
+
+
+def distance_panel(heights: Floats, surface: Surface, camera: Camera) -> Panel:
+    """Triangles by the distance of their corners, (t, 3) mm, from the reference surface: red inside, blue outside."""
+    brightness, _ = surface.light(camera)
+    most = max(float(np.abs(heights).max()), 1e-9)
+    colours = DISTANCES(Normalize(-most, most)(heights.mean(axis=1)))[:, :3] * (0.6 + 0.4 * brightness[:, None])
+    caption = f"off the surface: {-heights.min():.1f} mm inside (red) to {heights.max():.1f} mm outside (blue)"
     return _surface_panel(caption, surface, camera, colours, colours, 0.5)
 
 

@@ -4,10 +4,12 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 
+import numpy as np
+from numpy.typing import NDArray
+
 from flatnet.export.output import REPORT_FORMAT
 from flatnet.failure import Finding
 from flatnet.fitting.results import FailedPatch, FittedPatch
-from flatnet.forms.surface import ReferenceSurface
 from flatnet.nesting.layout import Layout
 from flatnet.network.network import CurveNetwork
 from flatnet.pattern.seams import Seam
@@ -16,12 +18,15 @@ from flatnet.report.seams import seam_records
 from flatnet.report.warnings import patch_warnings
 from flatnet.version import VERSION
 
+Floats = NDArray[np.float64]
+
 
 def make_report(
     project: str,
     network: CurveNetwork,
     seams: Mapping[str, Seam],
-    surface: ReferenceSurface | None,
+    heights: Mapping[str, Floats],
+    clearance: float,
     results: Sequence[FittedPatch | FailedPatch],
     layouts: Mapping[str, Layout],
     findings: Sequence[Finding],
@@ -31,13 +36,15 @@ def make_report(
 
     Parameters
     ----------
+    heights : fitted patch -> those of its vertices over the reference surface, (m,) mm; empty where there is none.
+    clearance : how far below it vertices may lie, mm.
     layouts : file -> the layout drawn in it.
     findings : of nesting; those that name a patch say that it was made and could not be laid.
     files : all files of the build, relative to the output folder.
     """
     fitted = {result.patch.name: result for result in results if isinstance(result, FittedPatch)}
     patches = [
-        _fitted_record(result, surface, findings)
+        _fitted_record(result, heights.get(result.patch.name), clearance, findings)
         if isinstance(result, FittedPatch)
         else _failed_record(result)
         for result in results
@@ -65,7 +72,7 @@ def status(made: Sequence[bool], laid_out: bool) -> str:
 
 
 def _fitted_record(
-    fitted: FittedPatch, surface: ReferenceSurface | None, findings: Sequence[Finding]
+    fitted: FittedPatch, heights: Floats | None, clearance: float, findings: Sequence[Finding]
 ) -> dict[str, object]:
     mesh = fitted.mesh
     name = fitted.patch.name
@@ -74,8 +81,11 @@ def _fitted_record(
         "name": name,
         "status": "failed" if not_laid else "ok",
         "failure": not_laid.as_dict() if not_laid else None,
-        "warnings": [warning.on(name).as_dict() for warning in (*fitted.warnings, *patch_warnings(fitted))],
-        "metrics": metrics(fitted, surface),
+        "warnings": [
+            warning.on(name).as_dict()
+            for warning in (*fitted.warnings, *patch_warnings(fitted, heights, clearance))
+        ],
+        "metrics": metrics(fitted, heights),
         "method": {
             "name": mesh.method,
             "parameters": dict(mesh.parameters),

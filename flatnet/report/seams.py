@@ -14,6 +14,7 @@ from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.notches import SeamNotch
 from flatnet.pattern.seams import Seam
 from flatnet.report.metrics import angles_between, boundary_triangle_normals
+from flatnet.report.warnings import normal_gap
 
 Floats = NDArray[np.float64]
 
@@ -45,7 +46,8 @@ def _record(
         if made:
             normals.append(_mesh_normals(made, stretch))
     first, second = [*(None if side is None else float(side[-1]) for side in along), None][:2]
-    gap = float(np.degrees(angles_between(*normals).max())) if len(normals) == 2 else None
+    gaps = angles_between(*normals) if len(normals) == 2 else None
+    kink = normal_gap(sampled, [side["patch"] for side in vertices], gaps) if gaps is not None else None
     return {
         "curve": seam.name,
         "number": seam.number,
@@ -54,7 +56,8 @@ def _record(
         "length_a_mm": first,
         "length_b_mm": second,
         "difference_mm": abs(first - second) if first is not None and second is not None else None,
-        "max_normal_gap_deg": gap,
+        "max_normal_gap_deg": float(np.degrees(gaps.max())) if gaps is not None else None,
+        "warnings": [kink.as_dict()] if kink else [],
         "from": sampled.start,
         "to": sampled.end,
         "notches": [_walked(notch, *[*along, None][:2]) for notch in seam.notches],

@@ -19,6 +19,8 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
     lines = [_patch_line(patch, width) for patch in report["patches"]]
     for patch in report["patches"]:
         lines += [f"{patch['name']}: warning {_told(warning)}" for warning in patch["warnings"]]
+    for seam in report["seams"]:
+        lines += [f"{seam['curve']}: warning {_told(warning)}" for warning in seam["warnings"]]
     lines += _warnings([finding for finding in report["findings"] if not finding["patch"]])
     for layout in report["layouts"]:
         lines.append(

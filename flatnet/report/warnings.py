@@ -1,6 +1,8 @@
-"""What a maker should know about a patch that was made: where it wrinkles."""
+"""What a maker should know about what was made: where a patch wrinkles or cuts into the surface, where a seam kinks."""
 
 from __future__ import annotations
+
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -8,17 +10,35 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.wrinkles import WRINKLED
+from flatnet.network.network import SampledStretch
+from flatnet.report.metrics import angles_between
 from flatnet.report.summary import counted
 
+Floats = NDArray[np.float64]
 
-def patch_warnings(fitted: FittedPatch) -> list[Finding]:
-    """The warnings about the finished patch."""
-    return [_wrinkled(fitted)] if fitted.mesh.wrinkles.wrinkled and not fitted.patch.wrinkles_expected else []
+#: From this angle between the sheets on, beyond that of the given normals, a seam has a kink, rad.
+KINK = np.radians(30.0)
+
+
+def patch_warnings(fitted: FittedPatch, heights: Floats | None, clearance: float) -> list[Finding]:
+    """The warnings about a finished patch.
+
+    Parameters
+    ----------
+    heights : (m,) float, mm: of its vertices over the reference surface; None where there is none.
+    clearance : how far below it they may lie, mm.
+    """
+    warnings = []
+    if fitted.mesh.wrinkles.wrinkled and not fitted.patch.wrinkles_expected:
+        warnings.append(_wrinkled(fitted))
+    if heights is not None and heights.min() < -clearance:
+        warnings.append(_inside_surface(fitted, heights, clearance))
+    return warnings
 
 
 def _wrinkled(fitted: FittedPatch) -> Finding:
     wrinkles = fitted.mesh.wrinkles
-    where = _place(fitted, fitted.mesh.vertices[wrinkles.vertex])
+    where = _place(fitted, wrinkles.vertex)
     degrees = float(np.degrees(wrinkles.turning))
     folds = f"{counted(wrinkles.ridges, 'ridge')} and {counted(wrinkles.valleys, 'valley')}"
     return Finding(
@@ -36,7 +56,63 @@ def _wrinkled(fitted: FittedPatch) -> Finding:
     )
 
 
-def _place(fitted: FittedPatch, point: NDArray[np.float64]) -> str:
-    """Words for a point of the mesh: the nearest place on the boundary, and where it is in space."""
+def _inside_surface(fitted: FittedPatch, heights: Floats, clearance: float) -> Finding:
+    deepest = int(np.argmin(heights))
+    where = _place(fitted, deepest)
+    return Finding(
+        code="inside_surface",
+        stage="report",
+        where=where,
+        amount=float(-heights[deepest]),
+        unit="mm",
+        message=(
+            f"it cuts into the surface by {-heights[deepest]:.1f} mm {where}; "
+            f"{int((heights < -clearance).sum())} of its {len(heights)} vertices lie more "
+            f"than {clearance:g} mm inside, the surface's `clearance`."
+        ),
+        remedy="Cut the patch there, raise its normal_weight, or allow it with a larger `clearance`.",
+    )
+
+
+def _place(fitted: FittedPatch, vertex: int) -> str:
+    """Words for a vertex of the mesh: the nearest place on the boundary, and where it is in space."""
+    point = fitted.mesh.vertices[vertex]
+    return f"near {fitted.patch.boundary.place_near(point)}, at {place_in_space(point)}"
+
+
+def place_in_space(point: Floats) -> str:
     x, y, z = point
-    return f"near {fitted.patch.boundary.place_near(point)}, at ({x:.1f}, {y:.1f}, {z:.1f}) mm"
+    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+
+
+def normal_gap(sampled: SampledStretch, patches: Sequence[str], gaps: Floats) -> Finding | None:
+    """The warning where the sheets on both sides of a seam meet at an angle that nobody asked for.
+
+    Parameters
+    ----------
+    gaps : (k,) float, rad: at every edge of the seam, the angle between the meshes beside it.
+    """
+    wanted = angles_between(sampled.left_normals, sampled.right_normals)
+    excess = gaps - wanted
+    worst = int(np.argmax(excess))
+    if excess[worst] < KINK:
+        return None
+    middles = 0.5 * (sampled.vertices[:-1] + sampled.vertices[1:])
+    along = float(np.linalg.norm(np.diff(sampled.vertices[: worst + 2], axis=0), axis=1).sum())
+    along -= 0.5 * float(np.linalg.norm(sampled.vertices[worst + 1] - sampled.vertices[worst]))
+    where = f"'{sampled.name}' at {along:.1f} mm, at {place_in_space(middles[worst])}"
+    degrees = float(np.degrees(gaps[worst]))
+    meant = f" ({np.degrees(wanted[worst]):.0f} are given)" if wanted[worst] > 0.0 else ""
+    return Finding(
+        code="normal_gap",
+        stage="report",
+        where=where,
+        amount=degrees,
+        unit="deg",
+        message=(
+            f"{' and '.join(repr(name) for name in dict.fromkeys(patches))} meet at an angle along {where}: their "
+            f"normals differ by {degrees:.0f} degrees{meant}, {int((excess >= KINK).sum())} of {len(gaps)} edges by "
+            f"{np.degrees(KINK):.0f} or more."
+        ),
+        remedy="Raise normal_weight on both sides, cut across the patches there, or make the curve a crease.",
+    )

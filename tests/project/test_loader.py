@@ -58,6 +58,7 @@ def test_every_key_is_read(tmp_path: Path) -> None:
     assert isinstance(surface, MeshSurface)
     assert surface.path == tmp_path / "tetrahedron.stl"
     assert (surface.mm_per_unit, surface.up, surface.outer) == (1000.0, "y", "inside")
+    assert surface.clearance == project.clearance == 2.0
     assert project.materials["denim"] == Material("denim", 1500.0, 5000.0, (0.0, 90.0), 3.0, 10.0)
     assert project.materials["felt"] == Material("felt", 1000.0, rotations=None)
 
@@ -166,6 +167,7 @@ def test_form_measurements_are_lengths_or_words(tmp_path: Path) -> None:
     surface = load(tmp_path, text).surface
     assert isinstance(surface, FormSurface)
     assert (surface.form, surface.measurements) == ("mannequin", {"waist": 720.0, "half": "left"})
+    assert surface.clearance == 5.0  # half an edge length
 
 
 def test_a_curve_that_no_patch_uses_needs_no_normals(tmp_path: Path) -> None:
@@ -216,6 +218,7 @@ BAD = [
     ("edge_length: 1", "edge_length: 1\nsurface: {mesh: no.stl}", 4, 17, "there is no file"),
     ("edge_length: 1", "edge_length: 1\nsurface: {mesh: a.txt}", 4, 17, "expected a mesh file (.obj"),
     ("edge_length: 1", "edge_length: 1\nsurface: {up: z}", 4, 1, "needs 'form: <name>' or 'mesh: <file>'"),
+    ("edge_length: 1", "edge_length: 1\nsurface: {form: f, clearance: -1}", 4, 31, "must not be less than 0"),
     ("edge_length: 1", "edge_length: 1\nsurface: {form: f, waist: 9mm}", 4, 27, "a length or a word"),
     ("a: [0, 0, 0]", "a: [0, 0]", 4, 12, "nodes: 'a': expected three numbers [x, y, z], got a list of 2"),
     ("a: [0, 0, 0]", "a: [0, 0, x]", 4, 19, "expected a number, got 'x'"),

@@ -53,7 +53,7 @@ def test_the_keys_are_those_of_the_format(out):
     assert set(right["seconds"]) == {"planar_boundary", "tessellation", "warp", "flattenable_mesh", "unfold"}
     assert set(report["seams"][0]) == {
         "curve", "patches", "length_3d_mm", "length_a_mm", "length_b_mm", "difference_mm", "max_normal_gap_deg",
-        "from", "to", "sides", "number", "notches",
+        "warnings", "from", "to", "sides", "number", "notches",
     }  # fmt: skip
     (layout,) = report["layouts"]
     assert {"file", "material", "sheet_width_mm", "used_length_mm", "utilisation", "pieces"} <= set(layout)

@@ -20,6 +20,7 @@ def test_failures_and_warnings_say_what_and_what_to_do():
     report = {
         "status": "partial",
         "patches": [{**made, "warnings": [{**FINDING, "code": "opposed_normals"}]}, failed],
+        "seams": [],
         "findings": [{**FINDING, "code": "draft_layout"}],
         "layouts": [],
     }

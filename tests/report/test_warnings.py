@@ -1,0 +1,102 @@
+"""Warnings about what was made: a patch inside the surface, a seam with a kink."""
+
+import json
+
+import numpy as np
+import pytest
+import trimesh
+import yaml
+from written import read_obj, read_report
+
+from flatnet.cli import main
+from flatnet.report.build_files import read_build
+from flatnet.report.panels import panels_of
+
+RADIUS, LATITUDE = 50.0, np.radians(40.0)
+
+
+def build(folder, project):
+    (folder / "project.yaml").write_text(yaml.safe_dump(project))
+    assert main(["build", str(folder / "project.yaml"), "-o", str(folder / "out")]) == 0
+    return read_report(folder / "out")
+
+
+def cap(folder, **surface):
+    """A sheet over the circle of latitude of a ball: it is flat, and cuts the cap off."""
+    trimesh.creation.icosphere(4, RADIUS).export(folder / "ball.stl")
+    t = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    ring = RADIUS * np.c_[np.sin(LATITUDE) * np.cos(t), np.sin(LATITUDE) * np.sin(t), np.cos(LATITUDE) + 0 * t]
+    return {
+        "flatnet": 1,
+        "name": "cap",
+        "edge_length": 6,
+        "surface": {"mesh": "ball.stl", **surface},
+        "curves": {"rim": {"closed": True, "on": "surface", "kind": "spline", "points": ring.tolist()}},
+        "patches": {"lid": {"around": ["rim"]}},
+        "rest": "openings",
+    }
+
+
+def test_a_sheet_that_cuts_a_cap_off_says_how_deep_and_where(tmp_path):
+    (lid,) = build(tmp_path, cap(tmp_path, clearance=5))["patches"]
+    depth = RADIUS * (1 - np.cos(LATITUDE))
+    (warning,) = [warning for warning in lid["warnings"] if warning["code"] == "inside_surface"]
+    assert warning["amount"] == pytest.approx(depth, abs=0.3)  # facets of the ball, vertices beside the centre
+    assert "near 'rim' at " in warning["where"] and "38." in warning["where"]  # 50 cos 40 degrees
+    assert lid["metrics"]["surface_distance_mm"]["max_inside"] == warning["amount"]
+    assert lid["metrics"]["surface_distance_mm"]["max_outside"] < 0.1
+
+    heights = np.array(json.loads((tmp_path / "out" / "surface_distance.json").read_text())["lid"])
+    vertices, _, _ = read_obj(tmp_path / "out" / "patches" / "lid.obj")
+    np.testing.assert_allclose(heights, np.linalg.norm(vertices, axis=1) - RADIUS, atol=0.15)
+    (caption,) = [p.caption for p in panels_of(read_build(tmp_path / "out")) if p.caption.startswith("off the surface")]
+    assert f"{warning['amount']:.1f} mm inside (red)" in caption
+
+
+def test_clearance_allows_it(tmp_path):
+    (lid,) = build(tmp_path, cap(tmp_path, clearance=12))["patches"]
+    assert lid["warnings"] == []
+
+
+def roof(angle, *, crease):
+    """Two rectangles that meet along the y axis; each leans down by half the angle."""
+    x, z = float(60 * np.cos(angle / 2)), float(-60 * np.sin(angle / 2))
+    right, left = [-z, 0.0, x], [z, 0.0, x]
+    nodes = {"a": [0, 0, 0], "b": [0, 80, 0], "c": [x, 0, z], "d": [x, 80, z], "e": [-x, 0, z], "f": [-x, 80, z]}
+    ridge = {"from": "a", "to": "b", "normals": {"left": left, "right": right} if crease else [0, 0, 1]}
+    sides = {"ac": right, "cd": right, "db": right, "ae": left, "ef": left, "fb": left}
+    curves = {name: {"from": name[0], "to": name[1], "normals": normal} for name, normal in sides.items()}
+    return {
+        "flatnet": 1,
+        "name": "roof",
+        "edge_length": 12,
+        "nodes": nodes,
+        "curves": {"ridge": ridge} | curves,
+        "patches": {
+            "right": {"around": ["ac", "cd", "db", "-ridge"]},
+            "left": {"around": ["ridge", "-fb", "-ef", "-ae"]},
+        },
+        "rest": "openings",
+        "fitting": {"normal_weight": 0},
+    }
+
+
+def seam_warnings(folder, project):
+    seams = {seam["curve"]: seam for seam in build(folder, project)["seams"]}
+    return seams["ridge"]["max_normal_gap_deg"], seams["ridge"]["warnings"]
+
+
+def test_a_kink_along_a_seam_says_how_much_and_where(tmp_path, capsys):
+    gap, (warning,) = seam_warnings(tmp_path, roof(np.radians(40), crease=False))
+    assert gap == pytest.approx(40, abs=1e-6)
+    assert (warning["code"], warning["amount"]) == ("normal_gap", gap)
+    assert warning["where"].startswith("'ridge' at ") and "at (0.0, " in warning["where"]
+    assert "'left' and 'right'" in warning["message"]
+    assert "ridge: warning normal_gap: " in capsys.readouterr().out
+
+
+@pytest.mark.parametrize("angle, crease", [(25, False), (40, True)])
+def test_a_small_angle_and_one_that_is_meant_are_no_kink(tmp_path, angle, crease):
+    gap, warnings = seam_warnings(tmp_path, roof(np.radians(angle), crease=crease))
+    assert gap == pytest.approx(angle, abs=1e-6)
+    assert warnings == []
