@@ -28,6 +28,7 @@ class FairParameters:
     tolerance : worst flattenability to reach, rad.
     max_steps : most steps of phases B and C together.
     remesh_rounds : how often at the most the flat outline is meshed anew and the mesh fitted again.
+    stuck_rounds : how often at the most a mesh that is stuck or folded is refined where it is.
     """
 
     normal_weight: float = 1.0
@@ -39,6 +40,7 @@ class FairParameters:
     tolerance: float = 1e-9
     max_steps: int = 200
     remesh_rounds: int = 3
+    stuck_rounds: int = 2
 
     def __post_init__(self) -> None:
         _check(self.normal_weight, "normal_weight", 0.0, 1e4)
@@ -50,6 +52,7 @@ class FairParameters:
         _check(self.tolerance, "tolerance", 1e-13, 1e-1)
         _check(self.max_steps, "max_steps", 1, 100_000)
         _check(self.remesh_rounds, "remesh_rounds", 0, 20)
+        _check(self.stuck_rounds, "stuck_rounds", 0, 10)
 
 
 @dataclass(frozen=True)

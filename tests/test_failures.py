@@ -77,7 +77,7 @@ def folded():
     flaps = np.array([[-rise, 0.0, run], [rise, 0.0, run]])[np.arange(6) % 2] / 25
     normals = np.r_[flaps, [flaps[-1]] * 4, flaps[::-1], [flaps[0]] * 4]
     curve = closed(points, normals) | {"edge_length": 26}
-    bad = {"around": ["fold"], "edge_length": 25, "fitting": {"normal_weight": 3000}}
+    bad = {"around": ["fold"], "edge_length": 25, "fitting": {"normal_weight": 3000, "stuck_rounds": 0}}
     return project({"fold": curve}, {"bad": bad})
 
 

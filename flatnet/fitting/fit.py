@@ -10,10 +10,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding, PatchFailure
+from flatnet.fitting.contradiction import Asked, contradiction, gave_way
 from flatnet.fitting.levels import fit_in_levels
 from flatnet.fitting.multi_loop import multi_loop
 from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import FittedPatch, FlattenableMesh
+from flatnet.fitting.stuck import FOLD, freed
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.unfold import along_chord, along_grain, unfold
 from flatnet.fitting.warp import warp
@@ -23,9 +25,6 @@ from flatnet.network.patch import BoundaryCurve, Grain, Patch
 from flatnet.parameters import FairParameters, FittingParameters
 
 Floats = NDArray[np.float64]
-
-#: A hinge sharper than this is a fold, rad.
-FOLD = np.radians(120.0)
 
 
 def fit_patch(
@@ -40,8 +39,8 @@ def fit_patch(
     Raises
     ------
     PatchFailure
-        From the stage that could not do its part; `not_converged`, `folded` or `self_intersection` where the
-        result is no patch that can be cut.
+        From the stage that could not do its part; `not_converged`, `stuck_vertex`, `folded` or
+        `self_intersection` where the result is no patch that can be cut.
     """
     boundary = patch.boundary
     with _timed("planar_boundary", seconds):
@@ -53,15 +52,19 @@ def fit_patch(
     with _timed("flattenable_mesh", seconds):
         if isinstance(parameters, FairParameters):
             mesh = fit_in_levels(warped, planar, planar_boundary, patch, parameters)
+            mesh, warped, planar = freed(mesh, warped, planar, planar_boundary, patch, parameters)
         else:
             mesh = multi_loop(warped, boundary, planar, parameters)
-        _check_converged(mesh, boundary, parameters.tolerance)
-        _check_folds(mesh)
+        asked = Asked.by(planar_boundary, boundary)
+        check_converged(mesh, boundary, parameters, asked)
+        _check_folds(mesh, asked)
     with _timed("unfold", seconds):
         flat = unfold(mesh)
         _check_outline(flat[: mesh.boundary_count], boundary)
         laid = _laid(flat, mesh, patch.grain)
-    warnings = planar_boundary.warnings
+    warnings = planar_boundary.warnings + contradiction(asked, mesh, boundary)
+    if isinstance(parameters, FairParameters):
+        warnings += gave_way(asked, mesh, parameters.normal_weight)
     if patch.grain is not None and laid is None:
         warnings += (_no_grain(patch.grain),)
     return FittedPatch(
@@ -111,7 +114,11 @@ def _point(mesh: FlattenableMesh, vertex: int) -> str:
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
 
-def _check_converged(mesh: FlattenableMesh, boundary: BoundaryCurve, tolerance: float) -> None:
+def check_converged(
+    mesh: FlattenableMesh, boundary: BoundaryCurve, parameters: FittingParameters, asked: Asked
+) -> None:
+    """Raise `stuck_vertex` or `not_converged` where a vertex is far from flattenable or a corner too sharp."""
+    tolerance = parameters.tolerance
     angles = angle_sums(mesh.vertices, mesh.triangles)[: mesh.boundary_count]
     short = boundary.min_angles - angles
     corner = int(np.argmax(short))
@@ -130,21 +137,43 @@ def _check_converged(mesh: FlattenableMesh, boundary: BoundaryCurve, tolerance: 
     amount = mesh.max_flattenability
     if amount <= tolerance:
         return
-    near = boundary.place_near(mesh.vertices[worst])
-    where = f"vertex {worst} at {_point(mesh, worst)}, next to {near}"
+    where = f"vertex {worst} at {_point(mesh, worst)}, {_next_to(boundary, mesh.vertices[worst])}"
+    rounds = parameters.stuck_rounds if isinstance(parameters, FairParameters) else 0
+    # Out of steps it was still on its way; refined round in vain it is stuck.
+    stuck = rounds > 0 and mesh.status != "step_limit"
+    tried = f" and {rounds} rounds of refinement" if stuck else ""
     raise PatchFailure.of(
-        "not_converged",
+        "stuck_vertex" if stuck else "not_converged",
         "flattenable_mesh",
-        f"{where} is {amount:.2e} rad from flattenable after {mesh.steps} steps of '{mesh.method}' "
-        f"({mesh.status}); {tolerance:.0e} was asked for.",
-        "Cut the patch in two there, or lower normal_weight if the normals contradict a flat sheet.",
+        f"{where}, is {amount:.2e} rad from flattenable after {mesh.steps} steps of '{mesh.method}'{tried} "
+        f"({mesh.status}); {tolerance:.0e} was asked for. {asked.statement}",
+        _way_out(asked, "a smaller edge_length" if stuck else "more steps (max_steps), a smaller edge_length"),
         where=where,
         amount=amount,
         unit="rad",
     )
 
 
-def _check_folds(mesh: FlattenableMesh) -> None:
+def _next_to(boundary: BoundaryCurve, point: Floats) -> str:
+    """Words for how far a point is from the two nearest of the curves round the patch."""
+    distances = np.linalg.norm(boundary.vertices - point, axis=1)
+    n = len(distances)
+    nearest = []
+    for stretch in boundary.stretches:
+        ids = (stretch.first + np.arange(stretch.count)) % n
+        vertex = int(ids[np.argmin(distances[ids])])
+        nearest.append((float(distances[vertex]), boundary.place(vertex)))
+    return " and ".join(f"{distance:.1f} mm from {place}" for distance, place in sorted(nearest)[:2])
+
+
+def _way_out(asked: Asked, otherwise: str) -> str:
+    """What to do about a patch that was not found, by whether its normals stand in the way."""
+    if asked.contradicts:
+        return f"{asked.remedy('there')} Or lower normal_weight, so that they may give way."
+    return f"The method did not find the way: try {otherwise}, a lower normal_weight, or cut the patch in two there."
+
+
+def _check_folds(mesh: FlattenableMesh, asked: Asked) -> None:
     hinges = hinges_of(mesh.triangles)
     angles = np.abs(hinge_angles(mesh.vertices, hinges))
     worst = int(np.argmax(angles))
@@ -155,15 +184,15 @@ def _check_folds(mesh: FlattenableMesh) -> None:
         "folded",
         "flattenable_mesh",
         f"the mesh folds by {np.degrees(angles[worst]):.0f} degrees at the {where}; "
-        f"{int((angles > FOLD).sum())} edges fold by more than {np.degrees(FOLD):.0f}.",
-        "Cut the patch in two there, lower normal_weight, or use a smaller edge_length.",
+        f"{int((angles > FOLD).sum())} edges fold by more than {np.degrees(FOLD):.0f}. {asked.statement}",
+        _way_out(asked, "a smaller edge_length"),
         where=where,
         amount=float(np.degrees(angles[worst])),
         unit="deg",
     )
 
 
-def _check_outline(outline: np.ndarray, boundary: BoundaryCurve) -> None:
+def _check_outline(outline: Floats, boundary: BoundaryCurve) -> None:
     crossings = polygon_crossings(outline, boundary.vertices)
     if not crossings:
         return

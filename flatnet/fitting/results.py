@@ -11,7 +11,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
-from flatnet.geometry.triangles import angle_defects, edge_lengths, edge_strain, edges_of
+from flatnet.geometry.asked_curvature import asked_curvature
+from flatnet.geometry.triangles import (
+    angle_defects,
+    angles_between,
+    boundary_triangle_normals,
+    edge_lengths,
+    edge_strain,
+    edges_of,
+)
 from flatnet.geometry.wrinkles import Wrinkles, find_wrinkles
 from flatnet.network.patch import Patch
 
@@ -49,6 +57,11 @@ class PlanarBoundary:
     def angle_error(self) -> float:
         """epsilon_theta of Eq. 1, rad^2."""
         return float(np.mean((self.inner_angles - self.predicted_angles) ** 2))
+
+    @property
+    def asked_curvature(self) -> float:
+        """Total curvature that the normals ask for, rad; positive: a dome, negative: a saddle."""
+        return asked_curvature(self.predicted_angles)
 
     @property
     def lemma_2_margin(self) -> float:
@@ -111,6 +124,11 @@ class SurfaceMesh:
     @cached_property
     def wrinkles(self) -> Wrinkles:
         return find_wrinkles(self.vertices, self.triangles, self.boundary_count)
+
+    def normal_deviations(self, normals: Floats) -> Floats:
+        """Angle between `normals`, (n, 3), and the triangle at every boundary edge, (n,), rad."""
+        own = boundary_triangle_normals(self.vertices, self.triangles, self.boundary_count)
+        return angles_between(own, normals)
 
 
 @dataclass(frozen=True, eq=False)

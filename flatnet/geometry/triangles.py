@@ -128,6 +128,17 @@ def boundary_triangles(triangles: Ints, boundary_count: int) -> tuple[Ints, Ints
     return at // 3, apexes[at]
 
 
+def boundary_triangle_normals(vertices: Floats, triangles: Ints, boundary_count: int) -> Floats:
+    """Unit normal of the triangle at every boundary edge, (n, 3), in the order of B."""
+    at, _ = boundary_triangles(triangles, boundary_count)
+    return unit(area_vectors(vertices, triangles[at]))
+
+
+def angles_between(a: Floats, b: Floats) -> Floats:
+    """Angle between two arrays of unit vectors, row by row, rad."""
+    return 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+
+
 def hinge_angles(vertices: Floats, hinges: Ints) -> Floats:
     """Signed dihedral angle of every hinge, (h,), rad in (-pi, pi]; 0 where flat, positive where convex.
 

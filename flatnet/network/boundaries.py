@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
+from flatnet.geometry.asked_curvature import asked_curvature
 from flatnet.geometry.polygon import edge_vectors, predicted_angles
 from flatnet.geometry.triangles import dot
 from flatnet.network.grain import make_grain
@@ -139,7 +140,7 @@ def _several_loops(spec: PatchSpec, loops: Sequence[tuple[Dart, ...]]) -> Findin
 def _winding(spec: PatchSpec, boundary: BoundaryCurve) -> Finding | None:
     """`not_disk` where the boundary does not wind once round its patch."""
     alpha, _ = predicted_angles(boundary.vertices, boundary.normals)
-    excess = float(alpha.sum() - (len(alpha) - 2) * np.pi)
+    excess = asked_curvature(alpha)
     if LEAST_WINDING_EXCESS <= excess <= LARGEST_WINDING_EXCESS:
         return None
     turns = round(1.0 - excess / (2.0 * np.pi))

@@ -6,40 +6,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.fitting.results import FittedPatch
+from flatnet.geometry.asked_curvature import least_normal_deviation
 from flatnet.geometry.intersections import self_intersections
 from flatnet.geometry.triangles import (
-    area_vectors,
     bending,
-    boundary_triangles,
     corner_angles,
     hinge_angles,
     hinges_of,
     signed_areas,
-    unit,
 )
 from flatnet.geometry.wrinkles import Wrinkles
 from flatnet.network.patch import BoundaryCurve
 
 Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-
-def boundary_triangle_normals(vertices: Floats, triangles: Ints, boundary_count: int) -> Floats:
-    """Unit normal of the triangle at every boundary edge, (n, 3), in the order of B."""
-    at, _ = boundary_triangles(triangles, boundary_count)
-    return unit(area_vectors(vertices, triangles[at]))
 
 
 def normal_deviations(fitted: FittedPatch) -> Floats:
     """Angle between the given normal and that of the mesh at every boundary edge, (n,), rad."""
-    mesh, boundary = fitted.mesh, fitted.patch.boundary
-    normals = boundary_triangle_normals(mesh.vertices, mesh.triangles, mesh.boundary_count)
-    return angles_between(normals, boundary.normals)
-
-
-def angles_between(a: Floats, b: Floats) -> Floats:
-    """Angle between two arrays of unit vectors, row by row, rad."""
-    return 2.0 * np.arctan2(np.linalg.norm(a - b, axis=1), np.linalg.norm(a + b, axis=1))
+    return fitted.mesh.normal_deviations(fitted.patch.boundary.normals)
 
 
 def boundary_error(fitted: FittedPatch) -> float:
@@ -89,6 +73,10 @@ def metrics(fitted: FittedPatch, heights: Floats | None) -> dict[str, object]:
         "initial_max_flattenability_rad": fitted.warped.max_flattenability,
         "max_edge_strain": fitted.max_edge_strain,
         "boundary_error_mm": boundary_error(fitted),
+        "asked_curvature_rad": fitted.planar_boundary.asked_curvature,
+        "least_normal_deviation_deg": float(
+            np.degrees(least_normal_deviation(fitted.patch.boundary.vertices, fitted.planar_boundary.predicted_angles))
+        ),
         "angle_error": fitted.planar_boundary.angle_error,
         "max_normal_deviation_deg": float(deviations.max()),
         "mean_normal_deviation_deg": float(deviations.mean()),

@@ -9,11 +9,11 @@ from numpy.typing import NDArray
 
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import arclengths
+from flatnet.geometry.triangles import angles_between, boundary_triangle_normals
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.notches import SeamNotch
 from flatnet.pattern.seams import Seam
-from flatnet.report.metrics import angles_between, boundary_triangle_normals
 from flatnet.report.warnings import normal_gap
 
 Floats = NDArray[np.float64]

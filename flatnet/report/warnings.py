@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.fitting.results import FittedPatch
+from flatnet.geometry.triangles import angles_between
 from flatnet.geometry.wrinkles import WRINKLED
 from flatnet.network.network import SampledStretch
-from flatnet.report.metrics import angles_between
 from flatnet.report.summary import counted
 
 Floats = NDArray[np.float64]

@@ -17,9 +17,9 @@ from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import FlattenableMesh, WarpedMesh
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.warp import warp
+from flatnet.geometry.triangles import angles_between, boundary_triangle_normals
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import FairParameters, MultiLoopParameters
-from flatnet.report.metrics import angles_between, boundary_triangle_normals
 from flatnet.report.panels import Panel, flattenability_panel, shaded_panel
 from flatnet.report.view import Surface, cameras
 from tests.benchmark.fits import initial_meshes, sized_case

@@ -65,7 +65,7 @@ def test_the_energy_gradient_is_its_derivative():
 
 
 def test_a_larger_normal_weight_holds_the_normals_better_at_the_price_of_bending():
-    from flatnet.report.metrics import angles_between, boundary_triangle_normals
+    from flatnet.geometry.triangles import angles_between, boundary_triangle_normals
 
     errors, energies = [], []
     for weight in (1.0, 10.0):

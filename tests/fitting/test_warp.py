@@ -9,8 +9,8 @@ from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import PlanarMesh
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.warp import MOST_WITHOUT_SYMMETRY, constraint_points, merge_near, warp
+from flatnet.geometry.triangles import angles_between, boundary_triangle_normals
 from flatnet.network.patch import BoundaryCurve, Stretch
-from flatnet.report.metrics import angles_between, boundary_triangle_normals
 from flatnet.solvers.rbf import fit_triharmonic
 
 
