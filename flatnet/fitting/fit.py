@@ -15,6 +15,7 @@ from flatnet.fitting.levels import fit_in_levels
 from flatnet.fitting.multi_loop import multi_loop
 from flatnet.fitting.planar_boundary import fit_planar_boundary
 from flatnet.fitting.results import FittedPatch, FlattenableMesh
+from flatnet.fitting.strained import strained
 from flatnet.fitting.stuck import FOLD, freed
 from flatnet.fitting.tessellation import tessellate
 from flatnet.fitting.unfold import along_chord, along_grain, unfold
@@ -61,6 +62,11 @@ def fit_patch(
     with _timed("unfold", seconds):
         flat = unfold(mesh)
         _check_outline(flat[: mesh.boundary_count], boundary)
+    if patch.strain > 0.0:
+        with _timed("strained", seconds):
+            fair = parameters if isinstance(parameters, FairParameters) else FairParameters()
+            mesh, flat = strained(mesh, flat, boundary, fair, patch.strain)
+    with _timed("unfold", seconds):
         laid = _laid(flat, mesh, patch.grain)
     warnings = planar_boundary.warnings + contradiction(asked, mesh, boundary)
     if isinstance(parameters, FairParameters):
@@ -106,7 +112,7 @@ def _timed(stage: str, seconds: dict[str, float]) -> Iterator[None]:
     try:
         yield
     finally:
-        seconds[stage] = time.perf_counter() - start
+        seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - start
 
 
 def _point(mesh: FlattenableMesh, vertex: int) -> str:

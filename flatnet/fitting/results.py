@@ -15,6 +15,7 @@ from flatnet.geometry.asked_curvature import asked_curvature
 from flatnet.geometry.triangles import (
     angle_defects,
     angles_between,
+    boundary_edges,
     boundary_triangle_normals,
     edge_lengths,
     edge_strain,
@@ -179,9 +180,25 @@ class FittedPatch:
         _freeze(self.flat)
 
     @cached_property
+    def edge_strain(self) -> Floats:
+        """|flat length / length in space - 1| of every edge of `edges_of(mesh.triangles)`, (e,)."""
+        return np.abs(edge_strain(self.mesh.vertices, self.flat, self.mesh.triangles))
+
+    @property
     def max_edge_strain(self) -> float:
-        """Largest |flat length / length in space - 1| over all edges."""
-        return float(np.abs(edge_strain(self.mesh.vertices, self.flat, self.mesh.triangles)).max())
+        """Over all edges."""
+        return float(self.edge_strain.max())
+
+    @property
+    def mean_edge_strain(self) -> float:
+        """Over all edges."""
+        return float(self.edge_strain.mean())
+
+    @property
+    def max_boundary_strain(self) -> float:
+        """Over the boundary edges: what the two sides of a seam can differ by."""
+        on_rim = boundary_edges(edges_of(self.mesh.triangles), self.mesh.boundary_count)
+        return float(self.edge_strain[on_rim].max())
 
     @property
     def outline(self) -> Floats:

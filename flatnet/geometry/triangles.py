@@ -86,6 +86,12 @@ def edges_of(triangles: Ints) -> Ints:
     return np.unique(pairs, axis=0)
 
 
+def boundary_edges(edges: Ints, boundary_count: int) -> NDArray[np.bool_]:
+    """Which edges, (e, 2) with the lower index first, join one of the first `boundary_count` vertices to the next."""
+    apart = edges[:, 1] - edges[:, 0]
+    return (edges[:, 1] < boundary_count) & ((apart == 1) | (apart == boundary_count - 1))
+
+
 def edge_lengths(vertices: Floats, edges: Ints) -> Floats:
     """Length of every edge, (e,); in the plane or in space."""
     return np.linalg.norm(vertices[edges[:, 1]] - vertices[edges[:, 0]], axis=1)

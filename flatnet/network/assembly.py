@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -54,7 +55,7 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
         made, found = make_patch(project.patches[name], loops, stretches, project.curves)
         problems += found
         if isinstance(made, Patch):
-            patches.append(made)
+            patches.append(replace(made, strain=project.materials[made.material].strain))
         elif made is not None:
             failed.append(made)
     _refuse(project, list(dict.fromkeys(problems)))

@@ -102,6 +102,7 @@ class Patch:
     grain : what is laid along the roll; None where nothing is.
     allowance : along seams that say nothing, mm; None: as the material says.
     wrinkles_expected : it is meant to wrinkle.
+    strain : what its material gives: the largest strain of an edge inside the flat piece; 0: it is exact.
     """
 
     name: str
@@ -113,3 +114,4 @@ class Patch:
     grain: Grain | None = None
     allowance: float | None = None
     wrinkles_expected: bool = False
+    strain: float = 0.0

@@ -55,9 +55,11 @@ _TOP_KEYS = (
 )
 _MESH_KEYS = ("mesh", "units", "up", "outer", "clearance")
 _MESH_FILES = (".obj", ".stl", ".ply")
-_MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance")
+_MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance", "strain")
 #: Rotations by the kind of material: with a grain, with a grain that has a direction, without.
 _ROTATIONS: dict[str, tuple[float, ...] | None] = {"woven": (0.0, 180.0), "nap": (0.0,), "free": None}
+#: The most that `strain` may be: beyond it edge lengths say little about cloth.
+_MOST_STRAIN = 0.2
 #: Stands in where a file names no material.
 _DEFAULT_MATERIAL = Material("default", width=1500.0)
 #: chord_tolerance where the file says none, in edge lengths.
@@ -219,6 +221,7 @@ def _materials(sections: Section, mm_per_unit: float) -> dict[str, Material]:
             rotations=_rotations(section),
             gap=section.get("gap", not_negative, 0.0),
             allowance=section.get("allowance", not_negative, 0.0),
+            strain=section.get("strain", between(number, 0.0, _MOST_STRAIN), 0.0),
         )
     return materials or {_DEFAULT_MATERIAL.name: _DEFAULT_MATERIAL}
 

@@ -450,6 +450,7 @@ class Material:
     ----------
     rotations : allowed rotations relative to the grain; None: free.
     length : longest layout; None: no limit.
+    strain : largest strain of an edge inside a piece, 0.02 is 2 %; 0: none.
     """
 
     name: str
@@ -458,6 +459,7 @@ class Material:
     rotations: tuple[float, ...] | None = (0.0, 180.0)
     gap: float = 0.0
     allowance: float = 0.0
+    strain: float = 0.0
 
     @property
     def one_way(self) -> bool:

@@ -72,6 +72,9 @@ def metrics(fitted: FittedPatch, heights: Floats | None) -> dict[str, object]:
         "mean_flattenability_rad": float(mesh.flattenability[mesh.boundary_count :].mean()),
         "initial_max_flattenability_rad": fitted.warped.max_flattenability,
         "max_edge_strain": fitted.max_edge_strain,
+        "strain_limit": fitted.patch.strain,
+        "mean_edge_strain": fitted.mean_edge_strain,
+        "max_boundary_strain": fitted.max_boundary_strain,
         "boundary_error_mm": boundary_error(fitted),
         "asked_curvature_rad": fitted.planar_boundary.asked_curvature,
         "least_normal_deviation_deg": float(

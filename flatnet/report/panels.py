@@ -77,12 +77,14 @@ def panels_of(build: BuildFiles) -> list[Panel]:
     if not build.patches:
         return [network_panel(curves, FROM_THE_FRONT), *(layout_panel(build, record) for record in layouts)]
     warped = Surface.of([patch.warped for patch in build.patches])
-    fitted = Surface.of([patch.mesh for patch in build.patches])
+    fitted = Surface.of([patch.mesh for patch in build.patches], [patch.flat for patch in build.patches])
+    limit = max((record.get("metrics") or {}).get("strain_limit", 0.0) for record in build.report["patches"])
     first, second = cameras(fitted)
     alike = [
         network_panel(curves, first),
         flattenability_panel(f"warped, M⁰: worst {warped.flattenability.max():.1g} rad", warped, first),
         flattenability_panel(f"fitted, M: worst {fitted.flattenability.max():.0e} rad", fitted, first),
+        *([strain_panel(limit, fitted, first)] if limit else []),
         shaded_panel("fitted, the inside brown", fitted, first),
     ]
     low = np.min([panel.low for panel in alike], axis=0)
@@ -151,8 +153,19 @@ def _scale_bar(axes: Axes) -> None:
 
 def flattenability_panel(caption: str, surface: Surface, camera: Camera) -> Panel:
     """Triangles in the colour of their worst corner, lightly shaded."""
+    return _coloured_panel(caption, surface.flattenability / RED, surface, camera)
+
+
+def strain_panel(limit: float, surface: Surface, camera: Camera) -> Panel:
+    """Triangles in the colour of their most strained edge, red at the limit."""
+    caption = f"strained by {100.0 * surface.strain.max():.1f} % of {100.0 * limit:g} %"
+    return _coloured_panel(caption, surface.strain / limit, surface, camera)
+
+
+def _coloured_panel(caption: str, parts: Floats, surface: Surface, camera: Camera) -> Panel:
+    """Triangles coloured from blue at 0 to red at 1 and above, (t,)."""
     brightness, _ = surface.light(camera)
-    colours = COLOURS(Normalize(0.0, RED)(surface.flattenability))[:, :3]
+    colours = COLOURS(Normalize(0.0, 1.0)(parts))[:, :3]
     colours = colours * (0.6 + 0.4 * brightness[:, None])
     # Strokes in the triangles' own colours close the hairlines between them.
     return _surface_panel(caption, surface, camera, colours, colours, 0.5)

@@ -38,11 +38,16 @@ def _patch_line(patch: dict[str, Any], width: int) -> str:
     if patch["failure"]:
         return f"{name}  FAILED {_told(patch['failure'])}"
     figures = patch["metrics"]
+    strained = (
+        f"  strain {100 * figures['max_edge_strain']:.1f} of {100 * figures['strain_limit']:g} %"
+        if figures.get("strain_limit")
+        else ""
+    )
     return (
         f"{name}  ok  {figures['vertices']:5d} V  flat to {figures['max_flattenability_rad']:.0e} rad  "
         f"normals {figures['mean_normal_deviation_deg']:4.1f} deg  bending {figures['bending']:7.1f}  "
         f"wrinkles {figures['wrinkles']['turning_deg']:3.0f} deg  "
-        f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s"
+        f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s{strained}"
     )
 
 

@@ -9,7 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.fitting.results import SurfaceMesh
-from flatnet.geometry.triangles import area_vectors, unit
+from flatnet.geometry.triangles import area_vectors, edge_lengths, unit
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -55,18 +55,25 @@ class Surface:
     corners : (t, 3, 3) float, mm.
     boundaries : (b, 2, 3) float, mm; the edges of all boundaries.
     flattenability : (t,) float, rad; of every triangle's worst corner.
+    strain : (t,) float; of every triangle's worst edge against the flat piece, 0 where there is none.
     """
 
     corners: Floats
     boundaries: Floats
     flattenability: Floats
+    strain: Floats
 
     @classmethod
-    def of(cls, meshes: Sequence[SurfaceMesh]) -> Surface:
+    def of(cls, meshes: Sequence[SurfaceMesh], flats: Sequence[Floats] = ()) -> Surface:
+        """`flats` : the meshes' flat pieces, (m, 2) mm each."""
         return cls(
             np.concatenate([mesh.vertices[mesh.triangles] for mesh in meshes]),
             np.concatenate([_closed(mesh.vertices[: mesh.boundary_count]) for mesh in meshes]),
             np.concatenate([mesh.flattenability[mesh.triangles].max(axis=1) for mesh in meshes]),
+            np.concatenate(
+                [_strain(mesh, flat) for mesh, flat in zip(meshes, flats)]
+                or [np.zeros(len(mesh.triangles)) for mesh in meshes]
+            ),
         )
 
     @property
@@ -122,6 +129,13 @@ def cameras(surface: Surface) -> tuple[Camera, Camera]:
         Camera(azimuth + 25.0, float(np.clip(elevation + 10.0, -50.0, 50.0))),
         Camera(azimuth - 40.0, float(np.clip(elevation, -20.0, 20.0))),
     )
+
+
+def _strain(mesh: SurfaceMesh, flat: Floats) -> Floats:
+    """|flat length / length in space - 1| of the worst edge of every triangle, (t,)."""
+    ends = [np.stack([mesh.triangles[:, k], mesh.triangles[:, (k + 1) % 3]], axis=1) for k in range(3)]
+    sides = [np.abs(edge_lengths(flat, end) / edge_lengths(mesh.vertices, end) - 1.0) for end in ends]
+    return np.asarray(np.max(sides, axis=0))
 
 
 def _closed(polygon: Floats) -> Floats:

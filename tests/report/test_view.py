@@ -19,7 +19,8 @@ def sheet(normal, shift=(0.0, 0.0, 0.0)):
 
 def ball():
     sphere = trimesh.creation.icosphere(subdivisions=2, radius=10.0)
-    return Surface(np.array(sphere.triangles), np.empty((0, 2, 3)), np.zeros(len(sphere.faces)))
+    zeros = np.zeros(len(sphere.faces))
+    return Surface(np.array(sphere.triangles), np.empty((0, 2, 3)), zeros, zeros)
 
 
 @pytest.mark.parametrize("camera", [FROM_THE_FRONT, Camera(-90.0, 50.0), Camera(200.0, -30.0)])
@@ -51,7 +52,8 @@ def test_a_body_open_on_one_side_is_seen_from_the_other():
     whole = ball()
     kept = whole.corners[whole.corners[..., 0].mean(axis=1) > -8.0]
     mirrored = (kept * [-1.0, 1.0, 1.0])[:, ::-1]
-    seen = [cameras(Surface(c, whole.boundaries, np.zeros(len(c))))[0].axes[2] for c in (kept, mirrored)]
+    zeros = np.zeros(len(kept))
+    seen = [cameras(Surface(c, whole.boundaries, zeros, zeros))[0].axes[2] for c in (kept, mirrored)]
     assert seen[0][0] > 0.0
     np.testing.assert_allclose(seen[0] * [-1, 1, 1], seen[1], atol=1e-15)
 
@@ -68,7 +70,7 @@ def test_patches_cover_each_other_as_they_stand_in_space(azimuth, nearer):
 
 def test_both_sides_are_lit_alike_and_told_apart():
     surface = ball()
-    inside_out = Surface(surface.corners[:, ::-1], surface.boundaries, surface.flattenability)
+    inside_out = Surface(surface.corners[:, ::-1], surface.boundaries, surface.flattenability, surface.strain)
     brightness, outside = surface.light(FROM_THE_FRONT)
     other_brightness, other_outside = inside_out.light(FROM_THE_FRONT)
     np.testing.assert_allclose(brightness, other_brightness, atol=1e-12)
