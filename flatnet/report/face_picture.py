@@ -34,6 +34,7 @@ def face_picture(listed: FaceList) -> bytes:
         corners=np.concatenate([np.zeros((0, 3, 3)), *(_fan(face.outline) for face in listed.faces if not face.fault)]),
         boundaries=np.concatenate([np.stack([s.vertices[:-1], s.vertices[1:]], 1) for s in listed.stretches.values()]),
         flattenability=np.zeros(0),
+        strain=np.zeros(0),
     )
     front = cameras(surface)[0] if len(surface.corners) else Camera(-65.0, 50.0)
     back = replace(front, azimuth=front.azimuth + 180.0)
