@@ -122,7 +122,8 @@ def _on_fresh_mesh(
         planar = tessellate(flat_boundary(flat, planar_boundary), edge_length, patch.boundary.slit_tips)
     except PatchFailure:  # the flat outline crosses itself
         return None
-    again = refit_fair(carried_over(mesh, flat, planar), patch.boundary, planar, parameters)
+    carried = carried_over(mesh, flat, planar, parameters.normal_weight)
+    again = refit_fair(carried, patch.boundary, planar, parameters)
     if again.status != CONVERGED:
         return None
     return replace(again, steps=mesh.steps + again.steps), planar

@@ -16,8 +16,9 @@ from flatnet.solvers.symmetric import factored
 
 Floats = NDArray[np.float64]
 
-#: How stiffly a smoothed mesh is held to where it was, against smoothness in mean edges: waves shorter than about
-#: 2 pi / HOLD^(1/4) = 5.5 edges go. At 0.1 sharp wrinkles lose their normals, at 10 smooth sheets crumple a little.
+#: How stiffly a smoothed mesh is held to where it was, against smoothness, in mean edges of the mesh that
+#: it comes from: waves shorter than about 2 pi / HOLD^(1/4) = 5.5 of them go. At 0.1 sharp wrinkles lose their normals,
+#: at 10 smooth sheets crumple a little.
 HOLD = 1.7
 
 
@@ -33,18 +34,21 @@ def flat_boundary(flat: Floats, planar_boundary: PlanarBoundary) -> PlanarBounda
     return replace(planar_boundary, positions=flat[: len(planar_boundary.positions)].copy())
 
 
-def carried_over(mesh: FlattenableMesh, flat: Floats, planar: PlanarMesh) -> WarpedMesh:
+def carried_over(mesh: FlattenableMesh, flat: Floats, planar: PlanarMesh, normal_weight: float) -> WarpedMesh:
     """The mesh of `planar` on the smooth surface next to `mesh`, each vertex about where it lies in the flat shape.
 
     Placed on the facets of `mesh` the finer mesh would bend at their edges, and the way back to c = 0 would turn
     these bends into crumples. So it is smoothed: min X^T Q X + w |X - placed|^2, Q the smoothness of the energy.
+    The smoothing knows nothing of the given normals; the more they count, the less it may move.
     """
     placed = placed_on(mesh, flat, planar)
     n, count = planar.boundary_count, len(planar.positions)
+    edge = edge_lengths(flat, edges_of(mesh.triangles)).mean()  # its facets are what must go
     smoothness = smoothness_matrix(planar.positions / planar.mean_edge, planar.triangles, np.arange(count) >= n)
-    factor = factored(smoothness[n:, n:] + HOLD * eye_array(count - n))
+    hold = HOLD * max(normal_weight, 1.0) * (planar.mean_edge / edge) ** 4
+    factor = factored(smoothness[n:, n:] + hold * eye_array(count - n))
     vertices = placed.copy()
-    vertices[n:] = factor.solve(HOLD * placed[n:] - smoothness[n:, :n] @ placed[:n])
+    vertices[n:] = factor.solve(hold * placed[n:] - smoothness[n:, :n] @ placed[:n])
     return WarpedMesh(vertices, planar.triangles, n)
 
 

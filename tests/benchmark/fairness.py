@@ -16,7 +16,7 @@ BENDING = {"w05": 225.0, "w12": 510.0, "w20": 800.0, "saddle": 47.0, "vamp": 4.9
 BENDING_HELD = {"w05": 300.0, "w12": 800.0, "w20": 1200.0, "saddle": 850.0}
 HELD = 8.0
 #: Normal weights to try, the first that holds the normals is taken.
-WEIGHTS = (5.0, 10.0, 15.0, 20.0, 30.0, 50.0, 100.0)
+WEIGHTS = (5.0, 10.0, 15.0, 20.0, 30.0, 35.0, 50.0, 100.0)
 #: The saddle has a smooth solution, to be found at every mesh size: vertices, E.
 SADDLES, SADDLE_BENDING = (1700, 2600, 6500), 60.0
 

@@ -34,7 +34,7 @@ def test_a_carried_sheet_keeps_its_boundary_and_place_and_loses_the_bends_at_the
     coarse = fit_fair(warp(planar, boundary), boundary, planar, FairParameters())
     flat = unfold(coarse)
     finer = tessellate(flat_boundary(flat, planar_boundary), 0.4 * edge_length)
-    placed, carried = placed_on(coarse, flat, finer), carried_over(coarse, flat, finer)
+    placed, carried = placed_on(coarse, flat, finer), carried_over(coarse, flat, finer, normal_weight=1.0)
     assert np.array_equal(carried.vertices[: finer.boundary_count], boundary.vertices)
     # A facet of edge L on a surface of curvature k lies k L^2 / 8 off it; here k is at most 16 * 0.15 / 100 mm.
     off = np.linalg.norm(carried.vertices - placed, axis=1).max()
