@@ -86,7 +86,7 @@ def freed(
             return mesh, warped, planar
     for _ in range(parameters.stuck_rounds):
         finer = refined(planar, stuck)
-        carried = carried_over(mesh, planar.positions, finer)
+        carried = carried_over(mesh, planar.positions, finer, parameters.normal_weight)
         try:
             planar, warped = finer, warp(finer, boundary)
         except PatchFailure:  # its edges differ too much in length
