@@ -15,29 +15,26 @@ from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
 from flatnet.export.output import HEIGHTS, REPORT, OutputFolder
 from flatnet.export.svg import write_layout, write_piece
-from flatnet.failure import REPORT_IT, Finding, PatchFailure
+from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.fitting.run import run_patch
 from flatnet.forms import ReferenceSurface, make_surface
 from flatnet.forms.distance import signed_distance
-from flatnet.geometry.polygon import side_lengths
 from flatnet.nesting.layout import Layout
 from flatnet.nesting.nest import nest
 from flatnet.nesting.stored import Stored, read_stored, write_stored
 from flatnet.network import CurveNetwork
 from flatnet.network.assembly import make_network
-from flatnet.network.patch import Patch
-from flatnet.parameters import FittingParameters, Limits
+from flatnet.patch_fitter import Fit, PatchFitter
 from flatnet.pattern.piece import Piece, make_piece
 from flatnet.pattern.seams import Seam, plan_seams
 from flatnet.project import Project, load_project
+from flatnet.remedies.auto_split import auto_split
+from flatnet.remedies.diagnose import FitAll
 from flatnet.report.report import make_report
-from flatnet.workers import Lost, Workers, usable_cores
 
 #: Called as the work goes on: what is being done, how many of the patches are done, of how many.
 Progress = Callable[[str, int, int], None]
-#: What makes of a patch what it can; a function of a module, called in another process.
-Fit = Callable[[Patch, FittingParameters], FittedPatch | FailedPatch]
 
 STORED_LAYOUT = "layout.json"
 
@@ -61,6 +58,7 @@ def build(
     progress: Progress = lambda *_: None,
     workers: int | None = None,
     fit: Fit = run_patch,
+    split: bool = False,
 ) -> BuildResult:
     """Fit every patch of a project, lay the pieces out and write everything to the folder `out`.
 
@@ -69,6 +67,7 @@ def build(
     workers : how many patches are fitted at once, each in a process of its own; by default one for each core
         that may be used. Only the time depends on it.
     fit : what fits a patch.
+    split : divide patches that can't be made, or wrinkle, by the best cut that is found (`auto_split`).
 
     Raises
     ------
@@ -83,13 +82,16 @@ def build(
         raise ValueError(f"workers must be at least 1, got {workers}")
     project = load_project(Path(project_file))
     # They start, which takes a second, while the network is made.
-    with Workers(fit, min(workers or usable_cores(), len(project.patches)), project.limits) as crew:
+    with PatchFitter(project.limits, len(project.patches), workers, fit) as fitter:
         surface = make_surface(project)
         network = make_network(project, surface)
         seams = plan_seams(project, network)
         with OutputFolder(Path(out)) as output:
-            results = _fit_all(project, network, crew, progress)
-            crew.dismiss()
+            results = _fit_all(project, network, fitter, progress)
+            if split:
+                project, network, results = _split(project, network, surface, results, fitter, progress)
+                seams = plan_seams(project, network)
+            fitter.dismiss()
             pieces, results = _make_pieces(project, seams, results)
             layouts, unlaid = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
             named = dict(zip(_layout_files(layouts), layouts, strict=True))
@@ -119,9 +121,9 @@ def check(project_file: str | Path) -> tuple[Project, CurveNetwork]:
 
 
 def _fit_all(
-    project: Project, network: CurveNetwork, crew: Workers, progress: Progress
+    project: Project, network: CurveNetwork, fitter: PatchFitter, progress: Progress
 ) -> list[FittedPatch | FailedPatch]:
-    """Every patch of the project in its order, the heaviest begun first; one that fails stops no other."""
+    """Every patch of the project in its order."""
     results: dict[str, FittedPatch | FailedPatch] = {}
 
     def note(name: str, result: FittedPatch | FailedPatch) -> None:
@@ -130,40 +132,28 @@ def _fit_all(
 
     for finding in network.failed:
         note(finding.patch, FailedPatch(finding.patch, finding))
-    patches = sorted(network.patches, key=_edges_around, reverse=True)
-    for index, result in crew.run([(patch, project.patches[patch.name].fitting) for patch in patches]):
-        name = patches[index].name
-        note(name, FailedPatch(name, _given_up(name, result, project.limits)) if isinstance(result, Lost) else result)
+    fitter.fit(((patch, project.patches[patch.name].fitting) for patch in network.patches), note)
     return [results[name] for name in project.patches]
 
 
-def _edges_around(patch: Patch) -> float:
-    """Mesh edges along the boundary: what fitting takes grows with it."""
-    return float(side_lengths(patch.boundary.vertices).sum()) / patch.edge_length
+def _split(
+    project: Project,
+    network: CurveNetwork,
+    surface: ReferenceSurface | None,
+    results: Sequence[FittedPatch | FailedPatch],
+    fitter: PatchFitter,
+    progress: Progress,
+) -> tuple[Project, CurveNetwork, list[FittedPatch | FailedPatch]]:
+    """The project with what could not be made in parts."""
 
+    def fit_all(name: str) -> FitAll:
+        progress(f"cuts of {name}", len(results), len(project.patches))
+        fitting = project.patches[name].fitting
+        return lambda parts: fitter.fit((part, fitting) for part in parts)
 
-def _given_up(name: str, lost: Lost, limits: Limits) -> Finding:
-    """Why a patch came to nothing, not even to a failure of its own."""
-    finding = Finding("internal_error", "fitting", "", REPORT_IT, name, details=lost.details)
-    if lost.reason == "itself":
-        return replace(finding, message=f"the process that fitted it ended with {lost.ending}.")
-    smaller = "Use a larger edge_length for the patch, or cut it in two; or give it more by"
-    if lost.reason == "memory":
-        return replace(
-            finding,
-            message=f"it took {lost.megabytes:.0f} MB; `limits` allow {limits.memory}.",
-            remedy=f"{smaller} `limits: {{memory: ...}}`.",
-            amount=lost.megabytes,
-            unit="MB",
-        )
-    return replace(
-        finding,
-        code="time_limit",
-        message=f"it was not done after {lost.seconds:.0f} s; `limits` allow {limits.seconds}.",
-        remedy=f"{smaller} `limits: {{seconds: ...}}`.",
-        amount=lost.seconds,
-        unit="s",
-    )
+    by_name = dict(zip(project.patches, results, strict=True))
+    project, network, made = auto_split(project, network, by_name, surface, fit_all)
+    return project, network, list(made.values())
 
 
 def _nest_all(

@@ -15,10 +15,12 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from flatnet.build import BuildResult, build, check
+from flatnet.diagnosis import NoSuchPatchError, diagnose_project
 from flatnet.export.output import OutputError
 from flatnet.project import ProjectError
 from flatnet.report.build_files import BuildFilesError
-from flatnet.report.pictures import PictureError, draw
+from flatnet.report.diagnosis_text import diagnosis_lines, ring_lines
+from flatnet.report.pictures import PictureError, draw, draw_diagnoses
 from flatnet.report.summary import counted, network_lines, summary_lines
 from flatnet.start import DrawingOptions, faces, new
 from flatnet.version import VERSION
@@ -45,14 +47,16 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.command == "new":
             _say("\n".join(new(options.out, options.mesh, options.units, options.up).lines), sys.stdout)
             return 0
-        result = _build(options.project, options.out, options.workers)
+        if options.command == "diagnose":
+            return _diagnose(options.project, options.patch, options.picture, options.workers)
+        result = _build(options.project, options.out, options.workers, options.auto_split)
         _say("\n".join(summary_lines(result.report, result.folder)), sys.stdout)
         return result.exit_status
     except ProjectError as error:
         written = "; nothing was written" if options.command == "build" else ""
         _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
-    except (OutputError, BuildFilesError, PictureError) as error:
+    except (OutputError, BuildFilesError, PictureError, NoSuchPatchError) as error:
         _say(str(error), sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
@@ -96,8 +100,18 @@ def _parser() -> argparse.ArgumentParser:
         command.add_argument("project", type=Path, metavar="PROJECT.yaml")
         if name == "build":
             command.add_argument("-o", "--out", type=Path, default=Path("out"), help="output folder (default: out)")
-            most = "patches fitted at once (default: one for each core)"
-            command.add_argument("--workers", type=_positive, metavar="N", help=most)
+            command.add_argument(
+                "--auto-split", action="store_true", help="divide patches that fail or wrinkle by the best cut found"
+            )
+            _add_workers(command)
+    text = "try cuts on the patches that fail or wrinkle, and print the best ones ready to paste"
+    command = commands.add_parser("diagnose", help=text, description=text)
+    command.add_argument("project", type=Path, metavar="PROJECT.yaml")
+    command.add_argument("--patch", action="append", default=[], metavar="NAME", help="only this one (may be repeated)")
+    _add_workers(command)
+    command.add_argument(
+        "-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="draw them (needs matplotlib)"
+    )
     text = "draw the network, patches and layouts of a build as one PNG (needs matplotlib)"
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
@@ -120,6 +134,11 @@ def _parser() -> argparse.ArgumentParser:
     return parser
 
 
+def _add_workers(command: argparse.ArgumentParser) -> None:
+    most = "patches fitted at once (default: one for each core)"
+    command.add_argument("--workers", type=_positive, metavar="N", help=most)
+
+
 def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"expected a number from 1, got {text!r}")
@@ -132,10 +151,30 @@ def _add_unit_and_axis(command: argparse.ArgumentParser) -> None:
     command.add_argument("--up", default="", choices=("x", "y", "z"), help="the file's up axis (default: z)")
 
 
-def _build(project: Path, out: Path, workers: int | None) -> BuildResult:
+def _diagnose(project: Path, names: Sequence[str], picture: Path | None, workers: int | None) -> int:
+    """Print what was found; 0 where nothing is wrong, or a cut was found for all that is, else 1."""
+    found = diagnose_project(project, names, _say_progress, workers)
+    for diagnosis in found.diagnoses:
+        _say("\n".join(diagnosis_lines(found.project, diagnosis)), sys.stdout)
+    for ring in found.rings:
+        _say("\n".join(ring_lines(found.project, ring)), sys.stdout)
+    for finding in found.not_fitted:
+        _say(str(finding), sys.stdout)
+    if not (found.diagnoses or found.rings or found.not_fitted):
+        _say(f"{counted(found.fitted, 'patch', 'patches')} made, none of them wrinkled.", sys.stdout)
+    if picture is not None and found.diagnoses:
+        _say(str(draw_diagnoses(found.project.name, found.diagnoses, picture)), sys.stdout)
+    return 0 if found.all_cured else 1
+
+
+def _say_progress(text: str, done: int, total: int) -> None:
+    _say(f"[{done}/{total}] {text}", sys.stderr)
+
+
+def _build(project: Path, out: Path, workers: int | None, split: bool) -> BuildResult:
     """Build with a progress bar on a terminal, with plain lines elsewhere."""
     if sys.stderr is None or not sys.stderr.isatty():
-        return build(project, out, lambda text, done, total: _say(f"[{done}/{total}] {text}", sys.stderr), workers)
+        return build(project, out, _say_progress, workers, split=split)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("reading", total=None)
@@ -144,4 +183,5 @@ def _build(project: Path, out: Path, workers: int | None) -> BuildResult:
             out,
             lambda text, done, total: bar.update(task, description=text, completed=done, total=total),
             workers,
+            split=split,
         )

@@ -45,9 +45,9 @@ def fit_patch(
     """
     boundary = patch.boundary
     with _timed("planar_boundary", seconds):
-        planar_boundary = fit_planar_boundary(boundary)
+        planar_boundary = fit_planar_boundary(boundary, patch.simple_outline)
     with _timed("tessellation", seconds):
-        planar = tessellate(planar_boundary, patch.edge_length, boundary.slit_tips)
+        planar = tessellate(planar_boundary, patch.edge_length)
     with _timed("warp", seconds):
         warped = warp(planar, boundary)
     with _timed("flattenable_mesh", seconds):

@@ -72,7 +72,7 @@ def _coarse_start(
     if halvings <= 0:
         return None
     lengths = [patch.edge_length * 2.0**level for level in range(halvings, -1, -1)]
-    coarse = tessellate(planar_boundary, lengths[0], patch.boundary.slit_tips)
+    coarse = tessellate(planar_boundary, lengths[0])
     if len(coarse.positions) > WORTH_WHILE * count:
         return None
     return coarse, warp(coarse, patch.boundary), lengths
@@ -119,7 +119,7 @@ def _on_fresh_mesh(
         return None
     try:
         flat = unfold(mesh)
-        planar = tessellate(flat_boundary(flat, planar_boundary), edge_length, patch.boundary.slit_tips)
+        planar = tessellate(flat_boundary(flat, planar_boundary), edge_length)
     except PatchFailure:  # the flat outline crosses itself
         return None
     carried = carried_over(mesh, flat, planar, parameters.normal_weight)

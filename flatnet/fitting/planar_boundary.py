@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
+
 import numpy as np
 from numpy.typing import NDArray
 
@@ -10,7 +12,7 @@ from flatnet.fitting.results import PlanarBoundary
 from flatnet.geometry.crossings import polygon_crossings
 from flatnet.geometry.polygon import polygon_angles, predicted_angles, side_lengths
 from flatnet.network.patch import BoundaryCurve
-from flatnet.solvers.angle_program import AngleStatus, solve_angle_program
+from flatnet.solvers.angle_program import AngleSolution, AngleStatus, solve_angle_program
 
 Floats = NDArray[np.float64]
 
@@ -18,17 +20,25 @@ STAGE = "planar_boundary"
 #: Lemma 2 fires above this excess per vertex, rad. The angles of a closed polygon in space never exceed
 #: (n - 2) pi (Fenchel); a triangle and a planar convex one reach it, and rounding adds about 1e-15 a vertex.
 LEMMA_2_TOLERANCE = 1e-13
+#: The bound that opens a crossing is looked for to this accuracy, rad.
+BOUND_ACCURACY = np.radians(0.1)
 #: Second moments that differ by less than this share have no principal axis; third ones below it, no sense.
 ISOTROPIC, SYMMETRIC = 1e-5, 1e-7
 #: Vertices whose distances from the centroid differ by less than this share are equally far.
 EQUALLY_FAR = 1e-7
 
 
-def fit_planar_boundary(boundary: BoundaryCurve) -> PlanarBoundary:
+def fit_planar_boundary(boundary: BoundaryCurve, simple: bool = False) -> PlanarBoundary:
     """B^p: the planar polygon with the edge lengths of B whose angles are nearest to those that the normals predict.
 
     Solves Eq. 2 with the lower bounds of Lemma 1, raised by `boundary.min_angles`, and theta <= 2 pi; places the
     result in `canonical_frame`.
+
+    Parameters
+    ----------
+    simple : where B^p crosses itself, Eq. 2 is solved again with the largest bound theta <= bound that removes the
+        crossing, and a warning says how far the angles were changed. The bound pi gives a convex outline, and always
+        has a solution.
 
     Raises
     ------
@@ -48,7 +58,12 @@ def fit_planar_boundary(boundary: BoundaryCurve) -> PlanarBoundary:
     lower = np.maximum(polygon_angles(vertices), boundary.min_angles)
     _check_lemma_2(lower, boundary)
 
-    solution = solve_angle_program(predicted, lengths, lower, np.full(len(vertices), 2.0 * np.pi))
+    def solve(largest: float) -> AngleSolution:
+        upper = np.maximum(lower, largest)
+        upper[list(boundary.slit_tips)] = 2.0 * np.pi
+        return solve_angle_program(predicted, lengths, lower, upper)
+
+    solution = solve(2.0 * np.pi)
     if solution.status is not AngleStatus.CONVERGED:
         raise PatchFailure.of(
             "not_converged",
@@ -59,13 +74,48 @@ def fit_planar_boundary(boundary: BoundaryCurve) -> PlanarBoundary:
             amount=solution.gap * float(lengths.sum()),
             unit="mm",
         )
+    warnings = [_opposed_normals(boundary, int(vertex)) for vertex in np.flatnonzero(opposed)]
+    if simple and polygon_crossings(solution.positions, vertices):
+        bound, opened = _mildest_simple(solve, vertices)
+        warnings.append(_opened(bound, solution, opened, predicted))
+        solution = opened
     _check_crossings(solution.positions, boundary)
     return PlanarBoundary(
         positions=canonical_frame(solution.positions),
         inner_angles=solution.angles,
         predicted_angles=predicted,
         lower_bounds=lower,
-        warnings=tuple(_opposed_normals(boundary, int(vertex)) for vertex in np.flatnonzero(opposed)),
+        warnings=tuple(warnings),
+    )
+
+
+def _mildest_simple(solve: Callable[[float], AngleSolution], vertices: Floats) -> tuple[float, AngleSolution]:
+    """The largest bound of the angles whose outline does not cross itself, to `BOUND_ACCURACY`, and that outline."""
+    low, high = np.pi, 2.0 * np.pi
+    best = solve(low)
+    while high - low > BOUND_ACCURACY:
+        middle = 0.5 * (low + high)
+        trial = solve(middle)
+        if trial.status is AngleStatus.CONVERGED and not polygon_crossings(trial.positions, vertices):
+            low, best = middle, trial
+        else:
+            high = middle
+    return low, best
+
+
+def _opened(bound: float, before: AngleSolution, after: AngleSolution, predicted: Floats) -> Finding:
+    errors = [float(np.mean((solution.angles - predicted) ** 2)) for solution in (before, after)]
+    return Finding(
+        code="outline_opened",
+        stage=STAGE,
+        message=(
+            "its flat outline crossed itself and was opened: no inner angle is larger than "
+            f"{np.degrees(bound):.1f} degrees now, and the mean square error of the angles is {errors[1]:.3g} "
+            f"rad^2 where it was {errors[0]:.3g}."
+        ),
+        remedy="The patch departs from its normals for it; a cut (`flatnet diagnose`) keeps them.",
+        amount=errors[1],
+        unit="rad^2",
     )
 
 

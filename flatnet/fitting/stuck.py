@@ -190,7 +190,7 @@ def _in_its_plane(
     frame = np.stack([axes[0], np.cross(up, axes[0])])
     outline = canonical_frame((vertices - centre) @ frame.T)
     try:
-        planar = tessellate(flat_boundary(outline, planar_boundary), patch.edge_length, patch.boundary.slit_tips)
+        planar = tessellate(flat_boundary(outline, planar_boundary), patch.edge_length)
     except PatchFailure:
         return None
     # canonical_frame turns and shifts: the rigid motion back to space is the one that fits the outline.

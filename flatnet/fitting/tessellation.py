@@ -70,9 +70,7 @@ class Parts:
     core: Ints
 
 
-def tessellate(
-    planar_boundary: PlanarBoundary, edge_length: float, slit_tips: tuple[int, ...] = ()
-) -> PlanarMesh:
+def tessellate(planar_boundary: PlanarBoundary, edge_length: float) -> PlanarMesh:
     """Fill B^p with nearly regular triangles, graded towards its edges.
 
     The four steps of the paper (sampling, regular triangulation, constrained Delaunay triangulation,
@@ -87,7 +85,6 @@ def tessellate(
         and x = 0, so that the same outline gets the same mesh whichever vertex is the first.
     edge_length : target length of the interior edges, mm; shortened where a small patch would get fewer than
         about 40 interior vertices. Boundary edges stay as they are.
-    slit_tips : boundary vertices where the outline turns back along the other side of a slit.
 
     Raises
     ------
@@ -95,7 +92,7 @@ def tessellate(
         `self_intersection` where the outline crosses or touches itself, other than the sides of slits.
     """
     outline = planar_boundary.positions
-    opened = open_slits(outline) if slit_tips else outline
+    opened = open_slits(outline)
     check_simple(opened)
     length = regular_edge_length(opened, edge_length)
     for lens_angle in LENS_ANGLES:
@@ -137,6 +134,8 @@ def open_slits(outline: Floats) -> Floats:
         np.linalg.norm(outline[p] - ends[q], axis=1), np.linalg.norm(ends[p] - outline[q], axis=1)
     )
     p, q = p[(apart < width) & (p != q)], q[(apart < width) & (p != q)]
+    if not len(p):
+        return outline
     moves = np.zeros(n, dtype=bool)
     moves[p] = moves[(p + 1) % n] = True
     moves[p[q == (p - 1) % n]] = False

@@ -16,8 +16,8 @@ from flatnet.network.crossings import crossing_problems, join_crossings, name_en
 from flatnet.network.curves import CurveSamples, DrawnCurve, StretchSamples, sample_curve
 from flatnet.network.drawing import draw_curve
 from flatnet.network.faces import match_faces
-from flatnet.network.graph import TracedFaces, dangling_ends, lone_slits, rotation_system, trace_faces
-from flatnet.network.network import CurveNetwork, GeometryError, SampledStretch
+from flatnet.network.graph import Dart, TracedFaces, dangling_ends, lone_slits, rotation_system, trace_faces
+from flatnet.network.network import CurveNetwork, GeometryError, Loops, SampledStretch
 from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
 from flatnet.network.places import cut_at_fractions, place_nodes
@@ -64,9 +64,8 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
         stretches=stretches,
         patches=tuple(patches),
         failed=tuple(failed),
-        openings={
-            name: tuple(tuple(map(str, loop)) for loop in loops) for name, loops in matched.openings.items()
-        },
+        rings={name: _names(loops) for name, loops in matched.patches.items() if len(loops) > 1},
+        openings={name: _names(loops) for name, loops in matched.openings.items()},
         face_count=len(traced.faces),
         euler_characteristics=traced.euler_characteristics,
     )
@@ -98,6 +97,10 @@ def trace_network(
 def _refuse(project: Project, problems: list[Problem]) -> None:
     if problems:
         raise ProjectError(project.file, problems)
+
+
+def _names(loops: tuple[tuple[Dart, ...], ...]) -> Loops:
+    return tuple(tuple(map(str, loop)) for loop in loops)
 
 
 def sample_stretches(

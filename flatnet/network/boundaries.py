@@ -43,13 +43,13 @@ def make_patch(
     gap = open_gap(spec.name, loop, stretches)
     if gap is not None:
         return gap, []
-    ends = [_start(stretches[dart.stretch], dart) for dart in loop]
+    ends = [start_of(stretches[dart.stretch], dart) for dart in loop]
     problems = [
         Problem(spec.mark, f"patch '{spec.name}': min_angle at node '{node}', which is not on its boundary")
         for node in spec.min_angles
         if node not in ends
     ]
-    boundary = _boundary(loop, stretches, spec.min_angles)
+    boundary = join(loop, stretches, spec.min_angles)
     grain = None
     try:
         grain = make_grain(spec, loop, boundary, stretches)
@@ -68,14 +68,15 @@ def make_patch(
         grain,
         spec.allowance,
         spec.wrinkles_expected,
+        simple_outline=spec.simple_outline,
     ), []
 
 
 def open_gap(patch: str, loop: Sequence[Dart], stretches: Mapping[str, SampledStretch]) -> Finding | None:
     """`open_boundary` where a stretch of a loop does not begin, to the last bit, where the last one ends."""
     for dart, following in zip(loop, [*loop[1:], loop[0]]):
-        here = _run(stretches[dart.stretch], dart)[0][-1]
-        there = _run(stretches[following.stretch], following)[0][0]
+        here = run_of(stretches[dart.stretch], dart)[0][-1]
+        there = run_of(stretches[following.stretch], following)[0][0]
         gap = float(np.linalg.norm(there - here))
         if gap > 0.0:
             return Finding(
@@ -91,26 +92,32 @@ def open_gap(patch: str, loop: Sequence[Dart], stretches: Mapping[str, SampledSt
     return None
 
 
-def _run(stretch: SampledStretch, dart: Dart) -> tuple[Floats, Floats]:
+def run_of(stretch: SampledStretch, dart: Dart) -> tuple[Floats, Floats]:
     """The stretch's vertices in the dart's direction, and the edge normals of the side on the dart's left."""
     if dart.reversed:
         return stretch.vertices[::-1], stretch.right_normals[::-1]
     return stretch.vertices, stretch.left_normals
 
 
-def _start(stretch: SampledStretch, dart: Dart) -> str | None:
+def start_of(stretch: SampledStretch, dart: Dart) -> str | None:
     return stretch.end if dart.reversed else stretch.start
 
 
-def _boundary(
+def join(
     loop: Sequence[Dart], stretches: Mapping[str, SampledStretch], min_angles: Mapping[str, float]
 ) -> BoundaryCurve:
-    runs = [_run(stretches[dart.stretch], dart) for dart in loop]
+    """The closed boundary along a loop of darts, one stretch for each.
+
+    Parameters
+    ----------
+    min_angles : node -> smallest flat angle there, rad.
+    """
+    runs = [run_of(stretches[dart.stretch], dart) for dart in loop]
     counts = [len(normals) for _, normals in runs]
     firsts = np.concatenate([[0], np.cumsum(counts)]).astype(int)
     least = np.zeros(firsts[-1])
     for dart, first in zip(loop, firsts):
-        least[first] = min_angles.get(_start(stretches[dart.stretch], dart) or "", 0.0)
+        least[first] = min_angles.get(start_of(stretches[dart.stretch], dart) or "", 0.0)
     return BoundaryCurve(
         vertices=np.concatenate([vertices[:-1] for vertices, _ in runs]),
         normals=np.concatenate([normals for _, normals in runs]),
@@ -137,12 +144,20 @@ def _several_loops(spec: PatchSpec, loops: Sequence[tuple[Dart, ...]]) -> Findin
     )
 
 
+def winds_once(boundary: BoundaryCurve) -> bool:
+    """Whether the boundary winds once round its patch, anticlockwise seen against its normals."""
+    return LEAST_WINDING_EXCESS <= _winding_excess(boundary) <= LARGEST_WINDING_EXCESS
+
+
+def _winding_excess(boundary: BoundaryCurve) -> float:
+    return asked_curvature(predicted_angles(boundary.vertices, boundary.normals)[0])
+
+
 def _winding(spec: PatchSpec, boundary: BoundaryCurve) -> Finding | None:
     """`not_disk` where the boundary does not wind once round its patch."""
-    alpha, _ = predicted_angles(boundary.vertices, boundary.normals)
-    excess = asked_curvature(alpha)
-    if LEAST_WINDING_EXCESS <= excess <= LARGEST_WINDING_EXCESS:
+    if winds_once(boundary):
         return None
+    excess = _winding_excess(boundary)
     turns = round(1.0 - excess / (2.0 * np.pi))
     reason, remedy = (
         ("it runs clockwise", "Turn the loop round in `around` if the other side is meant, or the normals.")

@@ -13,6 +13,8 @@ from flatnet.network.patch import Patch
 from flatnet.project.model import Mark, Problem
 
 Floats = NDArray[np.float64]
+#: Loops of one face, each as signed stretch names.
+Loops = tuple[tuple[str, ...], ...]
 
 
 class GeometryError(Exception):
@@ -70,6 +72,7 @@ class CurveNetwork:
     stretches : name -> stretch, in the order of the project file.
     patches : faces ready to be fitted, in the order of the project file.
     failed : patches that are no disk or do not close (`Finding.patch` is the name).
+    rings : patches among `failed` that have several loops -> those loops, as those of openings.
     openings : name -> its loops, each as signed stretch names (`-name`: run backwards).
     face_count : loops traced, over all components.
     euler_characteristics : V - E + F of every connected component, in the order of their first curve: 2 on a
@@ -80,6 +83,7 @@ class CurveNetwork:
     stretches: Mapping[str, SampledStretch]
     patches: tuple[Patch, ...]
     failed: tuple[Finding, ...]
-    openings: Mapping[str, tuple[tuple[str, ...], ...]]
+    rings: Mapping[str, Loops]
+    openings: Mapping[str, Loops]
     face_count: int
     euler_characteristics: tuple[int, ...]

@@ -103,6 +103,7 @@ class Patch:
     allowance : along seams that say nothing, mm; None: as the material says.
     wrinkles_expected : it is meant to wrinkle.
     strain : what its material gives: the largest strain of an edge inside the flat piece; 0: it is exact.
+    simple_outline : a flat outline B^p that crosses itself is opened until it does not.
     """
 
     name: str
@@ -115,3 +116,4 @@ class Patch:
     allowance: float | None = None
     wrinkles_expected: bool = False
     strain: float = 0.0
+    simple_outline: bool = False

@@ -18,6 +18,8 @@ from flatnet.project.values import nearest
 Floats = NDArray[np.float64]
 T = TypeVar("T")
 
+#: A fraction of a curve's length is at one of its points where it is nearer than this, in edge lengths.
+SAME_PLACE = 1e-6
 #: A ray meets a triangle that it passes by no more than this, in barycentric coordinates: edges have no gaps.
 RAY_SLACK = 1e-9
 
@@ -120,8 +122,13 @@ def cut_at_fractions(curve: CurveSpec, drawn: DrawnCurve) -> tuple[DrawnCurve, d
     for each in curve.fractions:
         # Counted in the order of the file; a closed curve starts at its first node there, too.
         first, last = arcs[ends[each.stretch]], arcs[ends[each.stretch + 1]]
-        parameter = float(np.interp(first + each.t * (last - first), arcs, drawn.parameters))
-        places[each.node] = drawn.at(np.array([parameter]))[0]
+        along = first + each.t * (last - first)
+        near = int(np.abs(arcs - along).argmin())
+        if abs(arcs[near] - along) <= SAME_PLACE * curve.edge_length:  # at a point of a polyline: not an edge beside it
+            parameter, places[each.node] = float(drawn.parameters[near]), drawn.points[near].copy()
+        else:
+            parameter = float(np.interp(along, arcs, drawn.parameters))
+            places[each.node] = drawn.at(np.array([parameter]))[0]
         cuts.append((parameter, each.node))
     for parameter, node in cuts:
         drawn = drawn.cut(parameter, node, places[node])

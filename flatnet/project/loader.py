@@ -131,6 +131,7 @@ def _project(file: Path, top: Section) -> Project:
     return Project(
         file=file,
         name=top.require("name", title, ""),
+        mm_per_unit=mm_per_unit,
         edge_length=edge_length,
         chord_tolerance=top.get("chord_tolerance", size, edge_length * _CHORD_TOLERANCE),
         surface=_surface(file, top, mm_per_unit, edge_length) if has_surface else None,

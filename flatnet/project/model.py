@@ -410,6 +410,7 @@ class PatchSpec:
     wrinkles_expected : it is meant to wrinkle: no warning.
     also : what else is cut of it, one of each material.
     marks : what is drawn on it.
+    simple_outline : a flat outline that crosses itself is opened.
     """
 
     name: str
@@ -426,6 +427,7 @@ class PatchSpec:
     wrinkles_expected: bool = False
     also: tuple[AlsoSpec, ...] = ()
     marks: tuple[MarkSpec, ...] = ()
+    simple_outline: bool = False
 
     @property
     def materials(self) -> tuple[str, ...]:
@@ -472,11 +474,13 @@ class Material:
 class Project:
     """A project file that has been read and checked on its own; what only the geometry tells comes later.
 
-    `findings` : what was done to the curves of drawings that it imports.
+    Everything is in mm; the file itself is in `mm_per_unit`. `findings` : what was done to the curves of drawings
+    that it imports.
     """
 
     file: Path
     name: str
+    mm_per_unit: float
     edge_length: float
     chord_tolerance: float
     surface: FormSurface | MeshSurface | None

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import textwrap
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from io import BytesIO
 
 import numpy as np
@@ -27,19 +27,24 @@ LEAST_LETTERS = 16
 
 
 def contact_sheet(build: BuildFiles) -> bytes:
-    """The sheet as a PNG; the same build gives the same one whatever matplotlib's settings are."""
+    """The sheet of a build as a PNG."""
+    return sheet_of(lambda: panels_of(build), lambda figure: _add_head(figure, build))
+
+
+def sheet_of(panels: Callable[[], Sequence[Panel]], add_head: Callable[[Figure], None]) -> bytes:
+    """Panels and a head as a PNG; the same ones give the same one whatever matplotlib's settings are."""
     content = BytesIO()
     with style.context("default"):
-        _figure(panels_of(build), build).savefig(content, dpi=RESOLUTION, format="png")
+        _figure(panels(), add_head).savefig(content, dpi=RESOLUTION, format="png")
     return content.getvalue()
 
 
-def _figure(panels: Sequence[Panel], build: BuildFiles) -> Figure:
+def _figure(panels: Sequence[Panel], add_head: Callable[[Figure], None]) -> Figure:
     rows = break_rows([panel.aspect for panel in panels])
     height = 2.0 * MARGIN + HEAD + sum(CAPTION + row_height for _, row_height in rows)
     height += GAP * (len(rows) - 1)
     figure = Figure(figsize=(WIDTH, height), facecolor="white")
-    _add_head(figure, build)
+    add_head(figure)
     top, remaining = height - MARGIN - HEAD, iter(panels)
     for count, row_height in rows:
         left = MARGIN

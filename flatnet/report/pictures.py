@@ -1,12 +1,13 @@
-"""Draw a build as one picture, a PNG, from the files that it wrote; or the faces of a network."""
+"""Write pictures, as PNG: of a build from the files that it wrote, of the faces of a network, of a diagnosis."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 
 from flatnet.network.listing import FaceList
+from flatnet.remedies.diagnose import Diagnosis
 from flatnet.report.build_files import read_build
 
 
@@ -37,6 +38,21 @@ def draw(folder: str | Path, picture: str | Path | None = None) -> Path:
     with _matplotlib():
         from flatnet.report.contact_sheet import contact_sheet
     return _write(picture, contact_sheet(build))
+
+
+def draw_diagnoses(project: str, diagnoses: Sequence[Diagnosis], picture: str | Path) -> Path:
+    """Draw the cuts that were tried on some patches, one row or more for each; `.png`.
+
+    Raises
+    ------
+    PictureError
+        matplotlib is missing, or the file can't be written.
+    """
+    picture = Path(picture)
+    _check_name(picture)
+    with _matplotlib():
+        from flatnet.report.diagnosis_picture import diagnosis_picture
+    return _write(picture, diagnosis_picture(project, diagnoses))
 
 
 def draw_faces(listed: FaceList, picture: Path) -> Path:

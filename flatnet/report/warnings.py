@@ -30,13 +30,14 @@ def patch_warnings(fitted: FittedPatch, heights: Floats | None, clearance: float
     """
     warnings = []
     if fitted.mesh.wrinkles.wrinkled and not fitted.patch.wrinkles_expected:
-        warnings.append(_wrinkled(fitted))
+        warnings.append(wrinkled(fitted))
     if heights is not None and heights.min() < -clearance:
         warnings.append(_inside_surface(fitted, heights, clearance))
     return warnings
 
 
-def _wrinkled(fitted: FittedPatch) -> Finding:
+def wrinkled(fitted: FittedPatch) -> Finding:
+    """That a patch wrinkles: how much, and where most."""
     wrinkles = fitted.mesh.wrinkles
     where = _place(fitted, wrinkles.vertex)
     degrees = float(np.degrees(wrinkles.turning))

@@ -27,6 +27,7 @@ PARTS = {
     "flattening": "flattening",
     "stages": "large_stages",
     "wrinkles": "wrinkles",
+    "remedies": "remedies",
     "figures": "figures",
 }
 

@@ -54,7 +54,7 @@ def fit(
 
 def initial_meshes(boundary: BoundaryCurve, edge_length: float) -> tuple[PlanarMesh, WarpedMesh]:
     """M^p and M^0 of a boundary."""
-    planar = tessellate(fit_planar_boundary(boundary), edge_length, boundary.slit_tips)
+    planar = tessellate(fit_planar_boundary(boundary), edge_length)
     return planar, warp(planar, boundary)
 
 

@@ -1,0 +1,131 @@
+"""Try cuts on a patch that failed or wrinkles, by fitting both halves of each, and rank them by what they cure."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Container, Sequence
+from dataclasses import dataclass
+from itertools import chain, count
+
+from flatnet.fitting.results import FailedPatch, FittedPatch
+from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.triangles import bending
+from flatnet.network.division import Cut, divide
+from flatnet.network.network import CurveNetwork
+from flatnet.network.patch import Patch
+from flatnet.remedies.candidates import candidate_cuts
+
+Result = FittedPatch | FailedPatch
+#: Fits patches, each alone, and gives their results in the same order.
+FitAll = Callable[[Sequence[Patch]], list[Result]]
+
+#: How many cuts of a patch are tried.
+TRIALS = 6
+
+
+@dataclass(frozen=True, eq=False)
+class Trial:
+    """A cut that was made, and what came of the patches on its left and right.
+
+    Attributes
+    ----------
+    network : in which the cut is the seam `seam` between the patches `parts`.
+    results : of the two parts.
+    """
+
+    cut: Cut
+    network: CurveNetwork
+    seam: str
+    parts: tuple[Patch, Patch]
+    results: tuple[Result, Result]
+
+    @property
+    def unmade(self) -> int:
+        return sum(isinstance(result, FailedPatch) for result in self.results)
+
+    @property
+    def wrinkled(self) -> int:
+        return sum(is_wrinkled(result) for result in self.results)
+
+    @property
+    def bending(self) -> float:
+        """Sum over both meshes, without what can't be made."""
+        return sum(bending(r.mesh.vertices, r.mesh.triangles) for r in self.results if isinstance(r, FittedPatch))
+
+    @property
+    def rank(self) -> tuple[float, ...]:
+        """Less is better: what fails, what wrinkles, how much it bends, how long the cut is."""
+        return self.unmade, self.wrinkled, self.bending, self.cut.length
+
+
+@dataclass(frozen=True, eq=False)
+class Diagnosis:
+    """A patch of a network as it is, and the cuts that were tried on it, the best first."""
+
+    network: CurveNetwork
+    patch: Patch
+    result: Result
+    trials: tuple[Trial, ...]
+
+    @property
+    def cure(self) -> Trial | None:
+        """The best cut, where it leaves less that fails or wrinkles than there is without it.
+
+        Of a patch that can't be made one half made is a step forward: the other may be cut again.
+        """
+        if not self.trials:
+            return None
+        best = self.trials[0]
+        if isinstance(self.result, FailedPatch):
+            return best if best.unmade < 2 else None
+        return best if best.unmade == 0 and best.wrinkled < is_wrinkled(self.result) else None
+
+
+def is_wrinkled(result: Result) -> bool:
+    """Whether a patch wrinkles that is not meant to."""
+    return isinstance(result, FittedPatch) and result.mesh.wrinkles.wrinkled and not result.patch.wrinkles_expected
+
+
+def needs_cut(result: Result) -> bool:
+    """Whether a patch could not be made, or wrinkles where no wrinkles were asked for."""
+    return isinstance(result, FailedPatch) or is_wrinkled(result)
+
+
+def diagnose(
+    network: CurveNetwork,
+    patch: Patch,
+    result: Result,
+    surface: ReferenceSurface | None,
+    fit_all: FitAll,
+    trials: int = TRIALS,
+) -> Diagnosis:
+    """Try the most promising cuts of a patch of the network.
+
+    Parameters
+    ----------
+    result : what came of the patch as it is.
+    fit_all : fits parts of the patch as the patch itself was fitted.
+    """
+    seam = free_name(f"{patch.name}_cut", network.stretches)
+    nodes = free_name(f"{seam}_a", network.nodes), free_name(f"{seam}_b", network.nodes)
+    names = {p.name for p in network.patches}
+    parts = free_name(f"{patch.name}_1", names), free_name(f"{patch.name}_2", names)
+    cuts = [candidate.cut for candidate in candidate_cuts(patch, surface, trials)]
+    divided = [divide(network, patch.name, cut, seam, parts, nodes) for cut in cuts]
+    pairs = [_named(network, parts) for network in divided]
+    results = fit_all([part for pair in pairs for part in pair])
+    tried = [
+        Trial(cut, network, seam, pair, made)
+        for cut, network, pair, made in zip(cuts, divided, pairs, zip(results[::2], results[1::2]), strict=True)
+    ]
+    return Diagnosis(network, patch, result, tuple(sorted(tried, key=lambda trial: trial.rank)))
+
+
+def _named(network: CurveNetwork, names: tuple[str, str]) -> tuple[Patch, Patch]:
+    patches = {patch.name: patch for patch in network.patches}
+    return patches[names[0]], patches[names[1]]
+
+
+def free_name(name: str, taken: Container[str]) -> str:
+    """The name, or the first of name_2, name_3 ... that is not taken."""
+    names = chain([name], (f"{name}_{k}" for k in count(2)))
+    return next(name for name in names if name not in taken)
