@@ -260,7 +260,10 @@ def _newton_step(program: _Program, angles: Floats, step: _Step) -> Floats:
     sums = solve_banded((1, 1), band, right)
     solved = np.diff(sums, axis=0, prepend=np.zeros((1, 4)))
     error = step.error + step.rows @ goal_at_bounds
-    multipliers = np.linalg.solve(rows @ solved[:, 1:], -error - rows @ solved[:, 0])
+    try:
+        multipliers = np.linalg.solve(rows @ solved[:, 1:], -error - rows @ solved[:, 0])
+    except np.linalg.LinAlgError:  # what is free can't move: a triangle, all its straight angles at their bounds
+        return step.step
     newton = goal_at_bounds
     newton[free] = solved @ np.r_[1.0, multipliers]
     return newton

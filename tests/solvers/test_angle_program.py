@@ -110,6 +110,22 @@ def test_random_polygons_with_random_normals_are_solved_within_bounds():
         assert (solution.angles >= lower).all() and (solution.angles <= upper).all()
 
 
+def test_plane_triangles_with_divided_sides_are_solved():
+    """All angles but one lie at their bounds or between them to round-off: nothing is left to move."""
+    rng = np.random.default_rng(1)
+    for _ in range(60):
+        corners = rng.normal(size=(3, 2)) * 50.0
+        (x, y), (u, v) = corners[1:] - corners[0]
+        corners = corners if x * v > y * u else corners[::-1]
+        counts = np.ceil(edge_lengths(corners) / 10.0).astype(int)
+        ends = zip(corners, np.roll(corners, -1, axis=0), counts, strict=True)
+        sides = [a + np.linspace(0.0, 1.0, count, endpoint=False)[:, None] * (b - a) for a, b, count in ends]
+        vertices = np.c_[np.concatenate(sides), np.zeros(counts.sum())]
+        solution = solve_angle_program(*program(vertices, np.tile([0.0, 0.0, 1.0], (len(vertices), 1))))
+        assert solution.status is AngleStatus.CONVERGED
+        assert solution.angles == pytest.approx(polygon_angles(vertices), abs=1e-7)
+
+
 def test_the_first_vertex_does_not_matter():
     alpha, lengths, lower, upper = program(*wavy_loop(50))
     solution = solve_angle_program(alpha, lengths, lower, upper)
