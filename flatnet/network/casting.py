@@ -41,7 +41,7 @@ def _cast_node(node: NodeSpec, surface: ReferenceSurface, problems: list[Problem
 
 
 def _cast_curve(curve: CurveSpec, surface: ReferenceSurface, problems: list[Problem]) -> CurveSpec:
-    points = [i for i, point in enumerate(curve.points) if not isinstance(point, str)]
+    points = [i for i, point in enumerate(curve.points) if isinstance(point, np.ndarray)]
     if curve.cast is None or not points:
         return curve
     places = np.array([curve.points[i] for i in points])

@@ -7,7 +7,7 @@ import pytest
 
 from flatnet.cli import main
 from flatnet.forms import make_surface
-from flatnet.network import make_network
+from flatnet.network.assembly import make_network
 from flatnet.project import load_project
 from tests.written import read_report
 
