@@ -24,9 +24,10 @@ Floats = NDArray[np.float64]
 CONVERGED = "converged"
 #: Longest steps, in units of the mean edge: ramp; normal; tangential at first and at most.
 RAMP_STEP, NORMAL_STEP, TANGENT_STEP, TANGENT_STEP_MOST = 0.3, 0.4, 0.2, 0.5
-#: Penalty of the constraint in the factorised matrix: start, floor and ceiling of phase B; start and ceiling of C.
+#: Penalty of the constraint in the factorised matrix: start, floor and ceiling of phase B; start and ceiling of C,
+#: which is high because the gradients of c are small where a fine mesh is nearly flat.
 BETA, BETA_FLOOR, BETA_CEILING = 1e5, 1e2, 1e5
-TAIL_BETA, TAIL_BETA_CEILING = 1e6, 1e9
+TAIL_BETA, TAIL_BETA_CEILING = 1e6, 1e12
 #: The tail aims at this part of the tolerance; where the surface is flat, c is quadratic and its last digits are hard.
 TAIL_GOAL = 0.1
 #: Phase B ends after so many full normal steps, or when E changes by less than this part.
