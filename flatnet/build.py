@@ -16,10 +16,12 @@ from flatnet.export.obj import write_obj
 from flatnet.export.output import HEIGHTS, REPORT, OutputFolder
 from flatnet.export.svg import write_layout, write_piece
 from flatnet.failure import Finding, PatchFailure
+from flatnet.fitting.mirror import reflect_patch
 from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.fitting.run import run_patch
 from flatnet.forms import ReferenceSurface, make_surface
 from flatnet.forms.distance import signed_distance
+from flatnet.geometry.mirror import MirrorPlane, lies_on_one_side
 from flatnet.nesting.layout import Layout
 from flatnet.nesting.nest import nest
 from flatnet.nesting.stored import Stored, read_stored, write_stored
@@ -95,7 +97,7 @@ def build(
             pieces, results = _make_pieces(project, seams, results)
             layouts, unlaid = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
             named = dict(zip(_layout_files(layouts), layouts, strict=True))
-            heights = _heights(results, surface)
+            heights = _heights(results, surface, project.mirror)
             files = [*_write(output.staging, project, network, results, heights, pieces, named), REPORT]
             findings = [*project.findings, *unlaid]
             report = make_report(
@@ -132,7 +134,12 @@ def _fit_all(
 
     for finding in network.failed:
         note(finding.patch, FailedPatch(finding.patch, finding))
-    fitter.fit(((patch, project.patches[patch.name].fitting) for patch in network.patches), note)
+    originals = [patch for patch in network.patches if patch.mirror_of is None]
+    fitter.fit(((patch, project.patches[patch.name].fitting) for patch in originals), note)
+    for patch in network.patches:
+        if patch.mirror_of is not None:
+            assert project.mirror is not None, "a project with mirror images has a plane"
+            note(patch.name, reflect_patch(results[patch.mirror_of], patch, project.mirror))
     return [results[name] for name in project.patches]
 
 
@@ -206,13 +213,23 @@ def _pieces_of(project: Project, seams: Mapping[str, Seam], fitted: FittedPatch)
 
 
 def _heights(
-    results: Sequence[FittedPatch | FailedPatch], surface: ReferenceSurface | None
+    results: Sequence[FittedPatch | FailedPatch], surface: ReferenceSurface | None, mirror: MirrorPlane | None
 ) -> dict[str, NDArray[np.float64]]:
-    """Of every fitted patch, how far its vertices lie outside the reference surface, mm; none without one."""
+    """Of every fitted patch, how far its vertices lie outside the reference surface, mm; none without one.
+
+    A surface that ends at the mirror plane stands for both halves.
+    """
     if surface is None:
         return {}
-    fitted = [result for result in results if isinstance(result, FittedPatch)]
-    return {result.patch.name: signed_distance(surface, result.mesh.vertices) for result in fitted}
+    halved = mirror is not None and lies_on_one_side(surface.mesh.vertices, mirror)
+    heights = {}
+    for result in results:
+        if isinstance(result, FittedPatch):
+            vertices = result.mesh.vertices
+            if halved and mirror is not None and result.patch.mirror_of is not None:
+                vertices = mirror.reflect(vertices)
+            heights[result.patch.name] = signed_distance(surface, vertices)
+    return heights
 
 
 def _layout_files(layouts: Sequence[Layout]) -> list[str]:

@@ -26,6 +26,7 @@ CODES: dict[str, str] = {
     "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
     "wrinkled": "the fitted mesh has wrinkles",
     "inside_surface": "the fitted mesh cuts into the reference surface",
+    "off_surface": "the boundary of a mirror image leaves the reference surface",
     "normal_gap": "the sheets on both sides of a seam meet at an angle",
     "opposed_normals": "the normals of two neighbouring edges are opposed",
     "crowded_allowance": "an allowance has no room: the piece itself or another allowance lies there",

@@ -17,6 +17,7 @@ from flatnet.network.curves import CurveSamples, DrawnCurve, StretchSamples, sam
 from flatnet.network.drawing import draw_curve
 from flatnet.network.faces import match_faces
 from flatnet.network.graph import Dart, TracedFaces, dangling_ends, lone_slits, rotation_system, trace_faces
+from flatnet.network.mirror import mirror_network
 from flatnet.network.network import CurveNetwork, GeometryError, Loops, SampledStretch
 from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
@@ -82,8 +83,9 @@ def trace_network(
         As `make_network`, but for what concerns patches.
     """
     project = cast_drawings(project, surface)
-    places, stretches, new, problems = sample_stretches(project, surface)
-    _refuse(project, problems + dangling_ends(stretches, places, project.curves))
+    places, stretches, new, problems = sample_stretches(project.as_drawn(), surface)
+    places, stretches, found = mirror_network(project, places, stretches)
+    _refuse(project, problems + found + dangling_ends(stretches, places, project.curves))
     nodes = {**project.nodes, **new}
     stretches, settled, problems = normals_from_curves(stretches, project.curves, nodes)
     _refuse(project, problems)

@@ -69,6 +69,7 @@ def make_patch(
         spec.allowance,
         spec.wrinkles_expected,
         simple_outline=spec.simple_outline,
+        mirror_of=spec.mirror_of,
     ), []
 
 

@@ -74,7 +74,7 @@ def divide(
     network, end = with_node(network, name, cut.end, nodes[1])
     patch = next(patch for patch in network.patches if patch.name == name)
     divided = tuple(
-        replace(patch, name=part, boundary=boundary, grain=_grain_of(patch, boundary))
+        replace(patch, name=part, boundary=boundary, grain=_grain_of(patch, boundary), mirror_of=None)
         for part, boundary in zip(parts, halves(patch.boundary, cut, seam), strict=True)
     )
     stretch = SampledStretch(seam, seam, start, end, cut.vertices, cut.normals, cut.normals)

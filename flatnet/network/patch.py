@@ -104,6 +104,7 @@ class Patch:
     wrinkles_expected : it is meant to wrinkle.
     strain : what its material gives: the largest strain of an edge inside the flat piece; 0: it is exact.
     simple_outline : a flat outline B^p that crosses itself is opened until it does not.
+    mirror_of : the patch that it is the mirror image of.
     """
 
     name: str
@@ -117,3 +118,4 @@ class Patch:
     wrinkles_expected: bool = False
     strain: float = 0.0
     simple_outline: bool = False
+    mirror_of: str | None = None

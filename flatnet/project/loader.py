@@ -13,6 +13,7 @@ from flatnet.parameters import FairParameters, Limits, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.imports import read_imports
+from flatnet.project.mirror import curve_image, image_problems, node_image, patch_image, read_mirror, take_images
 from flatnet.project.model import PLAIN_NUMBERS, FormSurface, Material, MeshSurface, Problem, Project, ProjectError
 from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
@@ -42,6 +43,7 @@ _TOP_KEYS = (
     "chord_tolerance",
     "surface",
     "import",
+    "mirror",
     "nodes",
     "curves",
     "join",
@@ -111,18 +113,30 @@ def _project(file: Path, top: Section) -> Project:
     imports = read_imports(file, top, mm_per_unit, edge_length, has_surface)
     if len(top.problems) > already:  # every curve of it would be missed, one by one
         raise ProjectError(file, top.problems)
-    nodes = read_nodes(top.section("nodes", None), mm_per_unit, has_surface, imports.nodes)
+    mirror = read_mirror(top, mm_per_unit)
+    node_sections = top.section("nodes", None)
+    node_images = take_images(node_sections, mirror, "node", imports.nodes)
+    across = node_images.both_ways()
+    nodes = node_images.added(read_nodes(node_sections, mm_per_unit, has_surface, imports.nodes), mirror, node_image)
     curve_setting = CurveSetting(file, mm_per_unit, has_surface, edge_length, nodes)
     curve_sections = top.section("curves", None)
+    curve_images = take_images(curve_sections, mirror, "curve", imports.curves)
     curves, problems = cut_at_fractions(nodes, read_curves(curve_sections, curve_setting, imports.curves))
-    top.problems += problems
+    curves = curve_images.added(curves, mirror, lambda spec, plane: curve_image(spec, plane, across))
+    top.problems += problems + image_problems(nodes, curves)
     joins_crossings = top.get("join", one_of("crossings"), "") == "crossings"
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
     materials = _materials(top.section("materials", None), mm_per_unit)
     fitting = read_fitting(top, FairParameters())
     face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), fitting, joins_crossings)
-    patches = read_patches(top.section("patches", None), face_setting)
+    patch_sections = top.section("patches", None)
+    patch_images = take_images(patch_sections, mirror, "patch", ())
+    patches = patch_images.added(
+        read_patches(patch_sections, face_setting),
+        mirror,
+        lambda spec, plane: patch_image(spec, plane, curve_images.both_ways(), across),
+    )
     openings = read_openings(top.section("openings", None), curves, joins_crossings)
     rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
     if rest_is_open and not patches:
@@ -146,6 +160,7 @@ def _project(file: Path, top: Section) -> Project:
         nesting=read_parameters(top.section("nesting", parameter_names(NestingParameters)), NestingParameters()),
         limits=read_parameters(top.section("limits", parameter_names(Limits)), Limits()),
         joins_crossings=joins_crossings,
+        mirror=mirror,
     )
 
 

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
+from flatnet.geometry.mirror import MirrorPlane
 from flatnet.parameters import FittingParameters, Limits, NestingParameters
 
 Floats = NDArray[np.float64]
@@ -118,6 +119,7 @@ class NodeSpec:
     position : (3,) mm; taken to the surface where `on_surface` says so; nan where `place` says what it
         depends on.
     cast : the direction in which it is cast onto the surface first, unit; None where it is not.
+    mirror_of : the node that it is the mirror image of: reflected where that is put.
     """
 
     name: str
@@ -126,6 +128,7 @@ class NodeSpec:
     mark: Mark
     place: OnRay | AtLandmark | OnLine | OnCurve | None = None
     cast: Floats | None = None
+    mirror_of: str | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -288,6 +291,7 @@ class CurveSpec:
     cast : direction in which its points are cast onto the surface, unit, if they are.
     path : what on the surface it follows; its points then tell the way.
     fractions : the nodes at a fraction of its length, in its order.
+    mirror_of : the curve that it is the mirror image of: reflected, not drawn.
     """
 
     name: str
@@ -305,6 +309,7 @@ class CurveSpec:
     cast: Floats | None = None
     path: PlaneSection | MeshEdges | NamedLine | None = None
     fractions: tuple[Fraction, ...] = ()
+    mirror_of: str | None = None
 
     @property
     def own_nodes(self) -> list[str]:
@@ -411,6 +416,7 @@ class PatchSpec:
     also : what else is cut of it, one of each material.
     marks : what is drawn on it.
     simple_outline : a flat outline that crosses itself is opened.
+    mirror_of : the patch that it is the mirror image of: reflected, not fitted.
     """
 
     name: str
@@ -428,6 +434,7 @@ class PatchSpec:
     also: tuple[AlsoSpec, ...] = ()
     marks: tuple[MarkSpec, ...] = ()
     simple_outline: bool = False
+    mirror_of: str | None = None
 
     @property
     def materials(self) -> tuple[str, ...]:
@@ -495,11 +502,20 @@ class Project:
     limits: Limits = field(default_factory=Limits)
     findings: tuple[Finding, ...] = ()
     joins_crossings: bool = False
+    mirror: MirrorPlane | None = None
 
     @property
     def title(self) -> str:
         """Name and size, as printed on pieces and layouts."""
         return f"{self.name} · {self.size}" if self.size else self.name
+
+    def as_drawn(self) -> Project:
+        """The project without the nodes and curves that are mirror images."""
+        return replace(
+            self,
+            nodes={name: node for name, node in self.nodes.items() if node.mirror_of is None},
+            curves={name: curve for name, curve in self.curves.items() if curve.mirror_of is None},
+        )
 
     @property
     def clearance(self) -> float:

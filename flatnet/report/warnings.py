@@ -33,6 +33,10 @@ def patch_warnings(fitted: FittedPatch, heights: Floats | None, clearance: float
         warnings.append(wrinkled(fitted))
     if heights is not None and heights.min() < -clearance:
         warnings.append(_inside_surface(fitted, heights, clearance))
+    if heights is not None and fitted.patch.mirror_of is not None:
+        along = np.abs(heights[: fitted.mesh.boundary_count])
+        if along.max() > clearance:
+            warnings.append(_off_surface(fitted, along))
     return warnings
 
 
@@ -72,6 +76,23 @@ def _inside_surface(fitted: FittedPatch, heights: Floats, clearance: float) -> F
             f"than {clearance:g} mm inside, the surface's `clearance`."
         ),
         remedy="Cut the patch there, raise its normal_weight, or allow it with a larger `clearance`.",
+    )
+
+
+def _off_surface(fitted: FittedPatch, along: Floats) -> Finding:
+    worst = int(np.argmax(along))
+    where = f"at {fitted.patch.boundary.place(worst)}, {place_in_space(fitted.mesh.vertices[worst])}"
+    return Finding(
+        code="off_surface",
+        stage="report",
+        where=where,
+        amount=float(along[worst]),
+        unit="mm",
+        message=(
+            f"as the mirror image of '{fitted.patch.mirror_of}' its boundary leaves the surface, which is "
+            f"not the same on this side, by {along[worst]:.1f} mm {where}."
+        ),
+        remedy="Draw this side by itself, or take a surface with two equal halves.",
     )
 
 

@@ -515,14 +515,14 @@ def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
 
 
 def test_the_docs_name_every_key_and_parameter() -> None:
-    from flatnet.project import curves, faces, imports, loader, marks, nodes, paths, sewing
+    from flatnet.project import curves, faces, imports, loader, marks, mirror, nodes, paths, sewing
 
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
         *nodes._NODE_KEYS, *nodes._RAY_KEYS, *nodes._AT_KEYS, *paths._SECTION_KEYS, *curves._CURVE_KEYS,
         *faces._PATCH_KEYS, *faces._ALSO_KEYS, *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS,
-        *sewing._DART_KEYS, *imports._IMPORT_KEYS, *imports._PLACE_KEYS,
+        *sewing._DART_KEYS, *imports._IMPORT_KEYS, *imports._PLACE_KEYS, *mirror._MIRROR_KEYS, mirror.IMAGE_KEY,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):
