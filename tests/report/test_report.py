@@ -28,8 +28,8 @@ METRICS = {
     "vertices", "triangles", "max_flattenability_rad", "mean_flattenability_rad", "initial_max_flattenability_rad",
     "strain_limit", "mean_edge_strain", "max_boundary_strain", "asked_curvature_rad", "least_normal_deviation_deg",
     "max_edge_strain", "boundary_error_mm", "angle_error", "max_normal_deviation_deg", "mean_normal_deviation_deg",
-    "wrinkles", "surface_distance_mm", "lemma_2_margin_rad", "max_dihedral_deg", "bending", "boundary_alone", "min_triangle_angle_deg",
-    "flipped_triangles", "self_intersections_3d", "area_mm2",
+    "wrinkles", "surface_distance_mm", "lemma_2_margin_rad", "max_dihedral_deg", "bending", "min_triangle_angle_deg",
+    "boundary_alone", "flipped_triangles", "self_intersections_3d", "area_mm2",
 }  # fmt: skip
 
 
