@@ -163,6 +163,7 @@ def regular_edge_length(outline: Floats, target: float) -> float:
 
 
 def shortest_edge_length(outline: Floats) -> float:
+    """The least edge length that a small patch may get, mm."""
     return SHORTEST_EDGE * float(side_lengths(outline).mean())
 
 

@@ -40,6 +40,7 @@ from flatnet.forms.last_tables import (
 from flatnet.forms.measurements import MeasurementError, read_measurements
 from flatnet.forms.surface import Line, ReferenceSurface, tidy_mesh
 from flatnet.geometry.chains import boundary_edges, chains
+from flatnet.geometry.polygon import arclengths
 from flatnet.geometry.triangles import unit
 
 Floats = NDArray[np.float64]
@@ -308,7 +309,7 @@ def _points(last: ShoeLast, grid: Floats) -> dict[str, Floats]:
     standard = float(np.hypot(length / 1000, np.diff(edge)).sum())  # SLL, by tape along the bottom
     back = grid[0, : grid.shape[1] // 2 + 1]
     toe = grid[-1, : grid.shape[1] // 2 + 1]
-    up = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(back, axis=0), axis=1))])
+    up = arclengths(back)
 
     def on_back(height: float) -> Floats:
         return np.array([np.interp(height, up, column) for column in back.T])

@@ -23,6 +23,11 @@ def arclengths(points: Floats) -> Floats:
     return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
+def polyline_length(points: Floats) -> float:
+    """Length of an open polyline, (k, d)."""
+    return float(np.linalg.norm(np.diff(points, axis=0), axis=1).sum())
+
+
 def side_lengths(polygon: Floats) -> Floats:
     """Length of every edge of a closed polygon, (n,)."""
     return np.linalg.norm(edge_vectors(polygon), axis=1)

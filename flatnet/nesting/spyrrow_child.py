@@ -9,6 +9,7 @@ import sys
 
 
 def solve(problem: dict) -> dict:
+    """The placements of a problem's items, as JSON has them."""
     import spyrrow
 
     items = [

@@ -101,6 +101,7 @@ def run_of(stretch: SampledStretch, dart: Dart) -> tuple[Floats, Floats]:
 
 
 def start_of(stretch: SampledStretch, dart: Dart) -> str | None:
+    """The node where a dart begins; None on a closed stretch without node."""
     return stretch.end if dart.reversed else stretch.start
 
 

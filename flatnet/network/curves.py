@@ -9,6 +9,7 @@ from itertools import pairwise
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.geometry.polygon import arclengths
 from flatnet.network.network import GeometryError
 from flatnet.project.model import CurveSpec, OnLine
 
@@ -183,11 +184,6 @@ def sample_curve(curve: CurveSpec, drawn: DrawnCurve) -> CurveSamples:
             )
         )
     return CurveSamples(drawn.control, arcs[drawn.control_index], tuple(stretches))
-
-
-def arclengths(points: Floats) -> Floats:
-    """Lengths of a polyline up to each of its points, (d,)."""
-    return np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
 
 
 def _periodic(at: Callable[[Floats], Floats], start: float, period: float) -> Callable[[Floats], Floats]:

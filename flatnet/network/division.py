@@ -12,6 +12,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.geometry.polygon import polyline_length
 from flatnet.geometry.triangles import unit
 from flatnet.network.network import CurveNetwork, Loops, SampledStretch
 from flatnet.network.patch import BoundaryCurve, Grain, Patch, Stretch
@@ -42,7 +43,7 @@ class Cut:
     @property
     def length(self) -> float:
         """mm."""
-        return float(np.linalg.norm(np.diff(self.vertices, axis=0), axis=1).sum())
+        return polyline_length(self.vertices)
 
     @property
     def reversed(self) -> Cut:

@@ -9,7 +9,8 @@ from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
 from flatnet.forms.surface import ReferenceSurface
-from flatnet.network.curves import DENSITY, ROUND_OFF, ControlPolygon, DrawnCurve, arclengths, control_polygon, spoken
+from flatnet.geometry.polygon import arclengths
+from flatnet.network.curves import DENSITY, ROUND_OFF, ControlPolygon, DrawnCurve, control_polygon, spoken
 from flatnet.network.fair_curves import relaxed
 from flatnet.network.geodesics import NoWayError, geodesics
 from flatnet.network.network import GeometryError

@@ -10,8 +10,8 @@ from numpy.typing import NDArray
 from scipy.sparse.linalg import spsolve
 
 from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.polygon import arclengths
 from flatnet.geometry.triangles import cross, unit
-from flatnet.network.curves import arclengths
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

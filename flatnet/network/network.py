@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
+from flatnet.geometry.polygon import polyline_length
 from flatnet.network.patch import Patch
 from flatnet.project.model import Mark, Problem
 
@@ -55,7 +56,7 @@ class SampledStretch:
 
     @property
     def length(self) -> float:
-        return float(np.linalg.norm(np.diff(self.vertices, axis=0), axis=1).sum())
+        return polyline_length(self.vertices)
 
     @property
     def crease(self) -> bool:

@@ -8,9 +8,10 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.forms.casting import first_hits
 from flatnet.forms.surface import ReferenceSurface
-from flatnet.geometry.triangles import cross, dot
-from flatnet.network.curves import DrawnCurve, arclengths, spoken
+from flatnet.geometry.polygon import arclengths
+from flatnet.network.curves import DrawnCurve, spoken
 from flatnet.network.network import GeometryError
 from flatnet.project.model import AtLandmark, CurveSpec, NodeSpec, OnCurve, OnLine, OnRay, Problem
 from flatnet.project.values import nearest
@@ -20,8 +21,6 @@ T = TypeVar("T")
 
 #: A fraction of a curve's length is at one of its points where it is nearer than this, in edge lengths.
 SAME_PLACE = 1e-6
-#: A ray meets a triangle that it passes by no more than this, in barycentric coordinates: edges have no gaps.
-RAY_SLACK = 1e-9
 
 
 def place_nodes(
@@ -94,22 +93,15 @@ def _named(spec: NodeSpec | CurveSpec, who: str, what: str, name: str, known: Ma
 
 
 def _first_hit(node: NodeSpec, ray: OnRay, surface: ReferenceSurface) -> Floats:
-    """Where a ray first meets the surface (Moller, Trumbore, 1997)."""
-    corners = surface.mesh.triangles
-    u, v, w = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0], ray.origin - corners[:, 0]
-    across = np.cross(ray.direction, v)
-    volume = dot(u, across)
-    safe = np.where(volume == 0.0, 1.0, volume)
-    turned = cross(w, u)
-    a, b, distance = dot(w, across) / safe, turned @ ray.direction / safe, dot(v, turned) / safe
-    hit = (volume != 0.0) & (np.minimum(np.minimum(a, b), 1.0 - a - b) >= -RAY_SLACK) & (distance >= 0.0)
-    if not hit.any():
+    """Where a node's ray first meets the surface."""
+    [landed] = first_hits(surface, ray.origin[None], ray.direction)
+    if np.isnan(landed).any():
         raise GeometryError(
             node.mark,
             f"node '{node.name}': its ray from {spoken(ray.origin)} misses the surface; turn it round, or aim nearer "
             f"to the nearest place on it, {spoken(surface.nearest(ray.origin[None])[0][0])}",
         )
-    return np.asarray(ray.origin + distance[hit].min() * ray.direction)
+    return landed
 
 
 def cut_at_fractions(curve: CurveSpec, drawn: DrawnCurve) -> tuple[DrawnCurve, dict[str, Floats]]:

@@ -110,6 +110,7 @@ def take_images(sections: Section, plane: MirrorPlane | None, what: str, importe
 
 
 def node_image(spec: NodeSpec, plane: MirrorPlane) -> NodeSpec:
+    """The node on the other side of the plane, in space alone: it is put where the original lands, reflected."""
     return replace(spec, position=frozen(plane.reflect(spec.position)), on_surface=False, place=None, cast=None)
 
 

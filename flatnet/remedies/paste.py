@@ -7,6 +7,7 @@ from dataclasses import asdict
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.geometry.polygon import polyline_length
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.network.patch import Patch
 from flatnet.parameters import METHODS
@@ -53,7 +54,7 @@ def _fraction(network: CurveNetwork, place: Floats) -> tuple[str, float]:
     at = int(np.flatnonzero((seam.vertices == place).all(axis=1))[0])
     of_curve = [s for s in network.stretches.values() if s.curve == seam.curve]
     before = sum(s.length for s in of_curve[: of_curve.index(seam)])
-    along = float(np.linalg.norm(np.diff(seam.vertices[: at + 1], axis=0), axis=1).sum())
+    along = polyline_length(seam.vertices[: at + 1])
     return seam.curve, (before + along) / sum(s.length for s in of_curve)
 
 

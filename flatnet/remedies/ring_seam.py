@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
 from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.polygon import polyline_length
 from flatnet.geometry.triangles import unit
 from flatnet.network.boundaries import join, make_patch, start_of
 from flatnet.network.division import node_on_seam
@@ -107,7 +108,7 @@ def _seam_at(network: CurveNetwork, loop: list[Dart], vertex: int) -> tuple[str,
 
 
 def _arclength(seam: SampledStretch, at: int) -> float:
-    return float(np.linalg.norm(np.diff(seam.vertices[: at + 1], axis=0), axis=1).sum())
+    return polyline_length(seam.vertices[: at + 1])
 
 
 def _from_node(loop: list[Dart], network: CurveNetwork, node: str) -> list[Dart]:

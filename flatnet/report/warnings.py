@@ -9,6 +9,7 @@ from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.fitting.results import FittedPatch
+from flatnet.geometry.polygon import polyline_length
 from flatnet.geometry.triangles import angles_between
 from flatnet.geometry.wrinkles import WRINKLED
 from flatnet.network.network import SampledStretch
@@ -103,6 +104,7 @@ def _place(fitted: FittedPatch, vertex: int) -> str:
 
 
 def place_in_space(point: Floats) -> str:
+    """A point in space in words."""
     x, y, z = point
     return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
 
@@ -120,7 +122,7 @@ def normal_gap(sampled: SampledStretch, patches: Sequence[str], gaps: Floats) ->
     if excess[worst] < KINK:
         return None
     middles = 0.5 * (sampled.vertices[:-1] + sampled.vertices[1:])
-    along = float(np.linalg.norm(np.diff(sampled.vertices[: worst + 2], axis=0), axis=1).sum())
+    along = polyline_length(sampled.vertices[: worst + 2])
     along -= 0.5 * float(np.linalg.norm(sampled.vertices[worst + 1] - sampled.vertices[worst]))
     where = f"'{sampled.name}' at {along:.1f} mm, at {place_in_space(middles[worst])}"
     degrees = float(np.degrees(gaps[worst]))

@@ -10,6 +10,7 @@ import shapely
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from flatnet.geometry.polygon import polyline_length
 from flatnet.geometry.triangles import dot
 from flatnet.project.drawings.file_curve import FileCurve, Floats
 
@@ -212,7 +213,7 @@ class Joints:
         points = self.curves[a[0]].points
         inner = points[int(np.floor(first)) + 1 : int(np.ceil(last))]
         way = np.concatenate([[self.position((a[0], first))], inner, [self.position((a[0], last))]])
-        return float(np.linalg.norm(np.diff(way, axis=0), axis=1).sum()) <= COMES_BACK * distance
+        return polyline_length(way) <= COMES_BACK * distance
 
     def _find(self, contact: Contact) -> Contact:
         parent = self._group.setdefault(contact, contact)

@@ -12,6 +12,7 @@ import numpy as np
 from scipy.spatial import cKDTree
 
 from flatnet.failure import Finding
+from flatnet.geometry.polygon import polyline_length
 from flatnet.project.drawings.contacts import Contact, Joints
 from flatnet.project.drawings.file_curve import FileCurve, Floats
 
@@ -60,7 +61,7 @@ class _Span:
 
     @property
     def length(self) -> float:
-        return float(np.linalg.norm(np.diff(self.points, axis=0), axis=1).sum())
+        return polyline_length(self.points)
 
 
 def join_curves(

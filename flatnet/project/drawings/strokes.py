@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 
+from flatnet.geometry.polygon import polyline_length
 from flatnet.project.drawings.file_curve import DrawingError, FileCurve, Floats, cubic_points, joined
 
 #: How far a segment may end from its node, over its length, before the file is taken for damaged.
@@ -56,7 +57,7 @@ def _segment(segment: dict[str, Any], nodes: dict[Any, Floats]) -> Floats:
             pieces.append(cubic_points(_array(control, 4, 3)))
     points = joined(pieces)
     first, last = (nodes[node] for node in segment["nodes"])
-    length = np.linalg.norm(np.diff(points, axis=0), axis=1).sum()
+    length = polyline_length(points)
     for end, node in ((points[0], first), (points[-1], last)):
         if np.linalg.norm(end - node) > _FARTHEST_END * length:
             raise DrawingError(f"segment {segment['id']} does not end at its nodes")
