@@ -155,8 +155,7 @@ def _split(
 
     def fit_all(name: str) -> FitAll:
         progress(f"cuts of {name}", len(results), len(project.patches))
-        fitting = project.patches[name].fitting
-        return lambda parts: fitter.fit((part, fitting) for part in parts)
+        return fitter.fit_alike(project.patches[name].fitting)
 
     by_name = dict(zip(project.patches, results, strict=True))
     project, network, made = auto_split(project, network, by_name, surface, fit_all)

@@ -78,8 +78,7 @@ def diagnose_project(
     with PatchFitter(project.limits, 2 * TRIALS, workers) as fitter:
 
         def fit_parts(name: str) -> FitAll:
-            fitting = project.patches[name].fitting
-            return lambda parts: fitter.fit((part, fitting) for part in parts)
+            return fitter.fit_alike(project.patches[name].fitting)
 
         results = fitter.fit((patch, project.patches[patch.name].fitting) for patch in patches)
         diagnoses = []

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import replace
 from types import TracebackType
 
@@ -65,6 +65,12 @@ class PatchFitter:
             results[order[at]] = done
             note(name, done)
         return [results[i] for i in range(len(tasks))]
+
+    def fit_alike(
+        self, parameters: FittingParameters
+    ) -> Callable[[Sequence[Patch]], list[FittedPatch | FailedPatch]]:
+        """What fits patches with the same parameters, as parts of one patch are."""
+        return lambda patches: self.fit((patch, parameters) for patch in patches)
 
 
 def _edges_around(patch: Patch) -> float:
