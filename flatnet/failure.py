@@ -8,6 +8,7 @@ are another thing: `flatnet.project.ProjectError`.
 from __future__ import annotations
 
 import traceback
+from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
@@ -99,6 +100,11 @@ class Finding:
     def __str__(self) -> str:
         name = f"{self.patch}: " if self.patch else ""
         return f"{name}{self.code}: {self.message} {self.remedy}".rstrip()
+
+
+def spoken(point: Iterable[float]) -> str:
+    """A place in space in words: (x, y, z), mm."""
+    return f"({', '.join(f'{coordinate:.1f}' for coordinate in point)})"
 
 
 class PatchFailure(Exception):

@@ -9,7 +9,7 @@ from contextlib import contextmanager
 import numpy as np
 from numpy.typing import NDArray
 
-from flatnet.failure import Finding, PatchFailure
+from flatnet.failure import Finding, PatchFailure, spoken
 from flatnet.fitting.contradiction import Asked, contradiction, gave_way
 from flatnet.fitting.levels import fit_in_levels
 from flatnet.fitting.multi_loop import multi_loop
@@ -115,11 +115,6 @@ def _timed(stage: str, seconds: dict[str, float]) -> Iterator[None]:
         seconds[stage] = seconds.get(stage, 0.0) + time.perf_counter() - start
 
 
-def _point(mesh: FlattenableMesh, vertex: int) -> str:
-    x, y, z = mesh.vertices[vertex]
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
-
-
 def check_converged(
     mesh: FlattenableMesh, boundary: BoundaryCurve, parameters: FittingParameters, asked: Asked
 ) -> None:
@@ -143,7 +138,7 @@ def check_converged(
     amount = mesh.max_flattenability
     if amount <= tolerance:
         return
-    where = f"vertex {worst} at {_point(mesh, worst)}, {_next_to(boundary, mesh.vertices[worst])}"
+    where = f"vertex {worst} at {spoken(mesh.vertices[worst])} mm, {_next_to(boundary, mesh.vertices[worst])}"
     rounds = parameters.stuck_rounds if isinstance(parameters, FairParameters) else 0
     # Out of steps it was still on its way; refined round in vain it is stuck.
     stuck = rounds > 0 and mesh.status != "step_limit"
@@ -185,7 +180,7 @@ def _check_folds(mesh: FlattenableMesh, asked: Asked) -> None:
     worst = int(np.argmax(angles))
     if angles[worst] <= FOLD:
         return
-    where = f"edge at {_point(mesh, int(hinges[worst, 0]))}"
+    where = f"edge at {spoken(mesh.vertices[hinges[worst, 0]])} mm"
     raise PatchFailure.of(
         "folded",
         "flattenable_mesh",

@@ -8,6 +8,7 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from flatnet.failure import spoken
 from flatnet.forms.surface import ReferenceSurface, tidy_mesh
 from flatnet.project.model import MeshSurface
 from flatnet.project.values import TO_Z_UP
@@ -87,8 +88,7 @@ def _where_sides_change(mesh: trimesh.Trimesh) -> str:
     edges, counts = np.unique(mesh.edges, axis=0, return_counts=True)
     twice = edges[counts > 1]
     middle = mesh.vertices[twice[0]].mean(axis=0)
-    place = ", ".join(f"{value:.1f}" for value in middle)
     return (
-        f"the faces have no common outer side: along {len(twice)} edges, the first at ({place}) mm, two "
+        f"the faces have no common outer side: along {len(twice)} edges, the first at {spoken(middle)} mm, two "
         "faces run the same way; the surface is one-sided, or more than two faces meet there: repair the mesh"
     )

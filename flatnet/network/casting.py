@@ -7,6 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from flatnet.failure import spoken
 from flatnet.forms.casting import first_hits
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.project.model import CurveSpec, Floats, NodeSpec, Problem, Project, ProjectError
@@ -55,6 +56,5 @@ def _cast_curve(curve: CurveSpec, surface: ReferenceSurface, problems: list[Prob
 
 
 def _miss(what: str, place: Floats, spec: NodeSpec | CurveSpec) -> Problem:
-    where = ", ".join(f"{x:.1f}" for x in place)
-    message = f"{what} at ({where}), cast along its direction misses the surface; move or turn the drawing by 'place'"
-    return Problem(spec.mark, message)
+    misses = "cast along its direction misses the surface; move or turn the drawing by 'place'"
+    return Problem(spec.mark, f"{what} at {spoken(place)}, {misses}")

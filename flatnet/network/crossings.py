@@ -10,9 +10,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial import cKDTree
 
+from flatnet.failure import spoken
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.triangles import cross, dot
-from flatnet.network.curves import DrawnCurve, spoken
+from flatnet.network.curves import DrawnCurve
 from flatnet.project.model import CurveSpec, NodeSpec, Problem
 
 Floats = NDArray[np.float64]

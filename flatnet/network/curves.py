@@ -231,8 +231,3 @@ def _chord_error(at: Callable[[Floats], Floats], at_vertices: Floats, vertices: 
     chord = np.diff(vertices, axis=0)[:, None]
     part = np.sum(offset * chord, axis=2) / np.sum(chord * chord, axis=2)
     return float(np.linalg.norm(offset - np.clip(part, 0.0, 1.0)[:, :, None] * chord, axis=2).max())
-
-
-def spoken(point: Floats) -> str:
-    """A place in words, mm."""
-    return f"({point[0]:.1f}, {point[1]:.1f}, {point[2]:.1f})"

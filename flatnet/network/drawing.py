@@ -8,9 +8,10 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.interpolate import CubicSpline
 
+from flatnet.failure import spoken
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.polygon import arclengths
-from flatnet.network.curves import DENSITY, ROUND_OFF, ControlPolygon, DrawnCurve, control_polygon, spoken
+from flatnet.network.curves import DENSITY, ROUND_OFF, ControlPolygon, DrawnCurve, control_polygon
 from flatnet.network.fair_curves import relaxed
 from flatnet.network.geodesics import NoWayError, geodesics
 from flatnet.network.network import GeometryError

@@ -8,6 +8,7 @@ from dataclasses import replace
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.failure import spoken
 from flatnet.geometry.mirror import MirrorPlane
 from flatnet.geometry.triangles import cross, dot, unit
 from flatnet.network.network import SampledStretch
@@ -124,13 +125,12 @@ def _shared_curves(project: Project) -> dict[str, CurveSpec]:
 def _off_plane(curve: CurveSpec, stretch: SampledStretch, plane: MirrorPlane) -> Problem | None:
     heights = np.abs(plane.heights(stretch.vertices))
     worst = int(np.argmax(heights))
-    x, y, z = stretch.vertices[worst]
     if heights[worst] > SNAP * curve.edge_length:
         return Problem(
             curve.mark,
             f"curve '{curve.name}' bounds a patch that is mirrored and has no image, so that both share it; but it is "
-            f"{heights[worst]:.2f} mm off the mirror plane at ({x:.1f}, {y:.1f}, {z:.1f}) mm. Draw it in the plane, "
-            f"or add a curve: {curve.name}_2: {{mirror_of: {curve.name}}}",
+            f"{heights[worst]:.2f} mm off the mirror plane at {spoken(stretch.vertices[worst])} mm. Draw it in the "
+            f"plane, or add a curve: {curve.name}_2: {{mirror_of: {curve.name}}}",
         )
     leaning = 1.0 - np.abs(stretch.left_normals @ plane.normal) ** 2 < LEAST_IN_PLANE**2
     if not stretch.crease and leaning.any():

@@ -9,11 +9,12 @@ import numpy as np
 import trimesh
 from numpy.typing import NDArray
 
+from flatnet.failure import spoken
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.chains import boundary_edges, chains
 from flatnet.geometry.polygon import arclengths
 from flatnet.geometry.triangles import dot
-from flatnet.network.curves import ROUND_OFF, ControlPolygon, spoken
+from flatnet.network.curves import ROUND_OFF, ControlPolygon
 from flatnet.network.network import GeometryError
 from flatnet.project.model import CurveSpec, MeshEdges, NamedLine, PlaneSection
 from flatnet.project.values import nearest

@@ -8,10 +8,11 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.failure import spoken
 from flatnet.forms.casting import first_hits
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.polygon import arclengths
-from flatnet.network.curves import DrawnCurve, spoken
+from flatnet.network.curves import DrawnCurve
 from flatnet.network.network import GeometryError
 from flatnet.project.model import AtLandmark, CurveSpec, NodeSpec, OnCurve, OnLine, OnRay, Problem
 from flatnet.project.values import nearest

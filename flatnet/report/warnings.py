@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from flatnet.failure import Finding
+from flatnet.failure import Finding, spoken
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import polyline_length
 from flatnet.geometry.triangles import angles_between
@@ -82,7 +82,7 @@ def _inside_surface(fitted: FittedPatch, heights: Floats, clearance: float) -> F
 
 def _off_surface(fitted: FittedPatch, along: Floats) -> Finding:
     worst = int(np.argmax(along))
-    where = f"at {fitted.patch.boundary.place(worst)}, {place_in_space(fitted.mesh.vertices[worst])}"
+    where = f"at {fitted.patch.boundary.place(worst)}, {spoken(fitted.mesh.vertices[worst])} mm"
     return Finding(
         code="off_surface",
         stage="report",
@@ -100,13 +100,7 @@ def _off_surface(fitted: FittedPatch, along: Floats) -> Finding:
 def _place(fitted: FittedPatch, vertex: int) -> str:
     """Words for a vertex of the mesh: the nearest place on the boundary, and where it is in space."""
     point = fitted.mesh.vertices[vertex]
-    return f"near {fitted.patch.boundary.place_near(point)}, at {place_in_space(point)}"
-
-
-def place_in_space(point: Floats) -> str:
-    """A point in space in words."""
-    x, y, z = point
-    return f"({x:.1f}, {y:.1f}, {z:.1f}) mm"
+    return f"near {fitted.patch.boundary.place_near(point)}, at {spoken(point)} mm"
 
 
 def normal_gap(sampled: SampledStretch, patches: Sequence[str], gaps: Floats) -> Finding | None:
@@ -124,7 +118,7 @@ def normal_gap(sampled: SampledStretch, patches: Sequence[str], gaps: Floats) ->
     middles = 0.5 * (sampled.vertices[:-1] + sampled.vertices[1:])
     along = polyline_length(sampled.vertices[: worst + 2])
     along -= 0.5 * float(np.linalg.norm(sampled.vertices[worst + 1] - sampled.vertices[worst]))
-    where = f"'{sampled.name}' at {along:.1f} mm, at {place_in_space(middles[worst])}"
+    where = f"'{sampled.name}' at {along:.1f} mm, at {spoken(middles[worst])} mm"
     degrees = float(np.degrees(gaps[worst]))
     meant = f" ({np.degrees(wanted[worst]):.0f} are given)" if wanted[worst] > 0.0 else ""
     return Finding(
