@@ -179,6 +179,28 @@ def test_what_lies_nearly_in_the_plane_is_put_into_it(tmp_path):
     assert (network.stretches["front"].vertices[0] == network.nodes["top"]).all()
 
 
+def test_a_node_at_a_fraction_of_a_curve_has_an_image_on_its_image(tmp_path):
+    content = tent()
+    content["nodes"] |= {"mid": {"at": {"curve": "side", "t": 0.4}}, "mid_left": {"mirror_of": "mid"}}
+    content["curves"]["dart"] = {"from": "mid", "to": "tip", "slit": True, "normals": [0.5, 0, 1]}
+    content["curves"]["dart_left"] = {"mirror_of": "dart"}
+    content["nodes"] |= {"tip": [50, 50, 38], "tip_left": {"mirror_of": "tip"}}
+    around = ["front", "side:low..mid", "dart", "-dart", "side:mid..far", "rear", "-ridge"]
+    content["patches"]["right"]["around"] = around
+    network = make_network(loaded(tmp_path, content), None)
+    left, right = network.patches
+    assert np.array_equal(left.boundary.vertices, backwards(right.boundary.vertices) * X)
+    assert "side_left:mid_left..far_left" in network.stretches
+    n = len(left.boundary.vertices)
+    assert left.boundary.slit_tips == tuple(n - tip for tip in right.boundary.slit_tips)
+
+
+def test_an_original_is_not_drawn_through_an_image(tmp_path):
+    content = tent()
+    content["curves"]["belt"] = {"from": "low_left", "to": "far", "normals": [0, 0, 1]}
+    assert "'belt': is drawn through 'low_left', a mirror image" in refused(tmp_path, content)
+
+
 def refused(folder, content):
     with pytest.raises(ProjectError) as caught:
         make_network(loaded(folder, content), None)
