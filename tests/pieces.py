@@ -7,7 +7,8 @@ from flatnet.fitting.results import FittedPatch, FlattenableMesh, PlanarBoundary
 from flatnet.network.patch import BoundaryCurve, Grain, Patch, Stretch
 from flatnet.pattern import Piece, make_piece
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import Material, SeamSpec
+from flatnet.project.model import Material
+from flatnet.project.seam_specs import SeamSpec
 
 #: The letter F, anticlockwise: it has no axis of symmetry, so that its mirror image is another figure.
 LETTER_F = np.array(

@@ -9,7 +9,8 @@ from flatnet.forms.measurements import MeasurementError
 from flatnet.forms.mesh_file import MeshFileError, read_mesh
 from flatnet.forms.shoe_last import shoe_last
 from flatnet.forms.surface import ReferenceSurface
-from flatnet.project.model import FormSurface, MeshSurface, Problem, Project, ProjectError
+from flatnet.project.model import FormSurface, MeshSurface, Project
+from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.values import nearest
 
 __all__ = ["FORMS", "ReferenceSurface", "make_surface"]

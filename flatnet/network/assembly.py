@@ -23,8 +23,10 @@ from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
 from flatnet.network.places import cut_at_fractions, place_nodes
 from flatnet.network.tangents import normals_from_curves
-from flatnet.project.model import CurveSpec, NodeSpec, Problem, Project, ProjectError
+from flatnet.project.curve_specs import CurveSpec, NodeSpec
+from flatnet.project.model import Project
 from flatnet.project.nodes import drawing_order
+from flatnet.project.problems import Problem, ProjectError
 
 Floats = NDArray[np.float64]
 

@@ -15,7 +15,9 @@ from flatnet.network.grain import make_grain
 from flatnet.network.graph import Dart
 from flatnet.network.network import GeometryError, SampledStretch
 from flatnet.network.patch import BoundaryCurve, Patch, Stretch
-from flatnet.project.model import CurveSpec, PatchSpec, Problem
+from flatnet.project.curve_specs import CurveSpec
+from flatnet.project.patch_specs import PatchSpec
+from flatnet.project.problems import Problem
 
 Floats = NDArray[np.float64]
 

@@ -10,7 +10,9 @@ import numpy as np
 from flatnet.failure import spoken
 from flatnet.forms.casting import first_hits
 from flatnet.forms.surface import ReferenceSurface
-from flatnet.project.model import CurveSpec, Floats, NodeSpec, Problem, Project, ProjectError
+from flatnet.project.curve_specs import CurveSpec, Floats, NodeSpec
+from flatnet.project.model import Project
+from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.values import frozen
 
 

@@ -14,7 +14,8 @@ from flatnet.failure import spoken
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.triangles import cross, dot
 from flatnet.network.curves import DrawnCurve
-from flatnet.project.model import CurveSpec, NodeSpec, Problem
+from flatnet.project.curve_specs import CurveSpec, NodeSpec
+from flatnet.project.problems import Problem
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

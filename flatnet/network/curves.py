@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from flatnet.geometry.polygon import arclengths
 from flatnet.network.network import GeometryError
-from flatnet.project.model import CurveSpec, OnLine
+from flatnet.project.curve_specs import CurveSpec, OnLine
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -17,7 +17,7 @@ from flatnet.network.geodesics import NoWayError, geodesics
 from flatnet.network.network import GeometryError
 from flatnet.network.paths import follow
 from flatnet.network.places import place_guides
-from flatnet.project.model import CurveSpec
+from flatnet.project.curve_specs import CurveSpec
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -8,7 +8,9 @@ from itertools import count
 
 from flatnet.network.graph import Dart, Face, TracedFaces
 from flatnet.network.network import SampledStretch
-from flatnet.project.model import Mark, OpeningSpec, PatchSpec, Problem, Project, SignedCurve
+from flatnet.project.model import Project
+from flatnet.project.patch_specs import OpeningSpec, PatchSpec, SignedCurve
+from flatnet.project.problems import Mark, Problem
 
 #: How many of the faces nearest to a wrong `around` are printed.
 NEAREST_SHOWN = 3

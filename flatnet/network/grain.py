@@ -11,7 +11,7 @@ from flatnet.geometry.triangles import unit
 from flatnet.network.graph import Dart
 from flatnet.network.network import GeometryError, SampledStretch
 from flatnet.network.patch import BoundaryCurve, Grain
-from flatnet.project.model import PatchSpec, SignedCurve
+from flatnet.project.patch_specs import PatchSpec, SignedCurve
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,8 @@ from numpy.typing import NDArray
 
 from flatnet.geometry.triangles import dot, unit
 from flatnet.network.network import GeometryError, SampledStretch
-from flatnet.project.model import CurveSpec, NodeSpec, Problem
+from flatnet.project.curve_specs import CurveSpec, NodeSpec
+from flatnet.project.problems import Problem
 
 Floats = NDArray[np.float64]
 

@@ -17,7 +17,9 @@ from flatnet.network.graph import Dart
 from flatnet.network.network import SampledStretch
 from flatnet.network.patch import Patch
 from flatnet.parameters import FairParameters
-from flatnet.project.model import Mark, PatchSpec, Project
+from flatnet.project.model import Project
+from flatnet.project.patch_specs import PatchSpec
+from flatnet.project.problems import Mark
 
 Floats = NDArray[np.float64]
 

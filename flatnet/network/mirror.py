@@ -12,7 +12,9 @@ from flatnet.failure import spoken
 from flatnet.geometry.mirror import MirrorPlane
 from flatnet.geometry.triangles import cross, dot, unit
 from flatnet.network.network import SampledStretch
-from flatnet.project.model import CurveSpec, Problem, Project
+from flatnet.project.curve_specs import CurveSpec
+from flatnet.project.model import Project
+from flatnet.project.problems import Problem
 
 Floats = NDArray[np.float64]
 

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from flatnet.failure import Finding
 from flatnet.geometry.polygon import polyline_length
 from flatnet.network.patch import Patch
-from flatnet.project.model import Mark, Problem
+from flatnet.project.problems import Mark, Problem
 
 Floats = NDArray[np.float64]
 #: Loops of one face, each as signed stretch names.

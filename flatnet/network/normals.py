@@ -11,7 +11,7 @@ from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.triangles import dot, unit
 from flatnet.network.curves import ControlPolygon, CurveSamples, StretchSamples
 from flatnet.network.network import GeometryError
-from flatnet.project.model import CurveSpec, NormalList
+from flatnet.project.curve_specs import CurveSpec, NormalList
 
 Floats = NDArray[np.float64]
 

@@ -16,7 +16,7 @@ from flatnet.geometry.polygon import arclengths
 from flatnet.geometry.triangles import dot
 from flatnet.network.curves import ROUND_OFF, ControlPolygon
 from flatnet.network.network import GeometryError
-from flatnet.project.model import CurveSpec, MeshEdges, NamedLine, PlaneSection
+from flatnet.project.curve_specs import CurveSpec, MeshEdges, NamedLine, PlaneSection
 from flatnet.project.values import nearest
 
 Floats = NDArray[np.float64]

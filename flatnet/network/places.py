@@ -14,7 +14,8 @@ from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.polygon import arclengths
 from flatnet.network.curves import DrawnCurve
 from flatnet.network.network import GeometryError
-from flatnet.project.model import AtLandmark, CurveSpec, NodeSpec, OnCurve, OnLine, OnRay, Problem
+from flatnet.project.curve_specs import AtLandmark, CurveSpec, NodeSpec, OnCurve, OnLine, OnRay
+from flatnet.project.problems import Problem
 from flatnet.project.values import nearest
 
 Floats = NDArray[np.float64]

@@ -20,7 +20,8 @@ from flatnet.geometry.triangles import dot, unit
 from flatnet.network.embedding import chains, head, unique_embedding
 from flatnet.network.graph import Dart, darts_at_nodes
 from flatnet.network.network import SampledStretch
-from flatnet.project.model import CurveSpec, NodeSpec, Problem
+from flatnet.project.curve_specs import CurveSpec, NodeSpec
+from flatnet.project.problems import Problem
 
 Floats = NDArray[np.float64]
 Rotation = dict[str, list[Dart]]

@@ -18,7 +18,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Geometry, Polygon
 
-from flatnet.project.model import Ends
+from flatnet.project.seam_specs import Ends
 
 Floats = NDArray[np.float64]
 #: Points at a corner in its own frame: x along the edge before it, y out of the piece, mm.

@@ -15,7 +15,7 @@ from flatnet.pattern.allowance import GRID, TOUCH, CutLine, rings_of
 from flatnet.pattern.marks import Mark
 from flatnet.pattern.notches import Notch, way_out
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import NotchSpec
+from flatnet.project.seam_specs import NotchSpec
 
 Floats = NDArray[np.float64]
 

@@ -14,7 +14,8 @@ from flatnet.fitting.results import FittedPatch
 from flatnet.network.crossings import name_ends
 from flatnet.network.curves import sample_curve
 from flatnet.network.drawing import draw_curve
-from flatnet.project.model import CurveSpec, MarkSpec, NormalSpec
+from flatnet.project.curve_specs import CurveSpec, NormalSpec
+from flatnet.project.patch_specs import MarkSpec
 
 Floats = NDArray[np.float64]
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 
 from flatnet.geometry.polygon import arclengths
 from flatnet.network.network import SampledStretch
-from flatnet.project.model import NotchSpec
+from flatnet.project.seam_specs import NotchSpec
 
 Floats = NDArray[np.float64]
 

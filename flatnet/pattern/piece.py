@@ -21,7 +21,9 @@ from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text,
 from flatnet.pattern.marks import Mark, make_marks
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import AlsoSpec, Ends, MarkSpec, Material
+from flatnet.project.model import Material
+from flatnet.project.patch_specs import AlsoSpec, MarkSpec
+from flatnet.project.seam_specs import Ends
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]

@@ -7,7 +7,9 @@ from dataclasses import dataclass
 
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
-from flatnet.project.model import Problem, Project, ProjectError, SeamSpec
+from flatnet.project.model import Project
+from flatnet.project.problems import Problem, ProjectError
+from flatnet.project.seam_specs import SeamSpec
 
 
 @dataclass(frozen=True, eq=False)

@@ -10,9 +10,9 @@ from typing import Literal, cast
 import numpy as np
 import yaml
 
+from flatnet.project.curve_specs import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec, OnLine
 from flatnet.project.drawings import READERS
 from flatnet.project.imports import ImportedCurve, read_drawing_at
-from flatnet.project.model import CurveSpec, Floats, NodeSpec, NormalList, NormalSpec, OnLine
 from flatnet.project.nodes import NOWHERE, on_surface, read_on_line
 from flatnet.project.paths import PATH_KEYS, read_path
 from flatnet.project.section import Section

@@ -11,9 +11,11 @@ import numpy as np
 import yaml
 
 from flatnet.parameters import FittingParameters
+from flatnet.project.curve_specs import CurveSpec
 from flatnet.project.marks import read_marks
-from flatnet.project.model import AlsoSpec, CurveSpec, GrainSpec, OpeningSpec, PatchSpec, Problem, SignedCurve
 from flatnet.project.parameters import read_fitting
+from flatnet.project.patch_specs import AlsoSpec, GrainSpec, OpeningSpec, PatchSpec, SignedCurve
+from flatnet.project.problems import Problem
 from flatnet.project.section import Section
 from flatnet.project.sewing import allowance_in
 from flatnet.project.values import (

@@ -12,9 +12,10 @@ import numpy as np
 import yaml
 
 from flatnet.failure import Finding
+from flatnet.project.curve_specs import Floats, NodeSpec
 from flatnet.project.drawings import DrawingError, FileCurve, read_drawing
 from flatnet.project.drawings.joining import SMALLEST_SNAP, JoinedCurve, join_curves
-from flatnet.project.model import Floats, Mark, NodeSpec
+from flatnet.project.problems import Mark
 from flatnet.project.section import Section
 from flatnet.project.values import (
     LARGEST_LENGTH,

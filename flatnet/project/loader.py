@@ -14,9 +14,10 @@ from flatnet.project.curves import CurveSetting, read_curves
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.imports import read_imports
 from flatnet.project.mirror import curve_image, image_problems, node_image, patch_image, read_mirror, take_images
-from flatnet.project.model import PLAIN_NUMBERS, FormSurface, Material, MeshSurface, Problem, Project, ProjectError
+from flatnet.project.model import PLAIN_NUMBERS, FormSurface, Material, MeshSurface, Project
 from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
+from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.section import Section
 from flatnet.project.values import (
     WrongValueError,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import yaml
 
-from flatnet.project.model import LINE_MARKS, POINT_MARKS, MarkSpec
+from flatnet.project.patch_specs import LINE_MARKS, POINT_MARKS, MarkSpec
 from flatnet.project.section import Section
 from flatnet.project.values import flag, frozen, length_in, one_of, point_in
 from flatnet.project.yaml_nodes import mark_of

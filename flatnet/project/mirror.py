@@ -11,7 +11,9 @@ import yaml
 from numpy.typing import NDArray
 
 from flatnet.geometry.mirror import MirrorPlane
-from flatnet.project.model import CurveSpec, GrainSpec, Mark, NodeSpec, OnLine, PatchSpec, Problem, SignedCurve
+from flatnet.project.curve_specs import CurveSpec, NodeSpec, OnLine
+from flatnet.project.patch_specs import GrainSpec, PatchSpec, SignedCurve
+from flatnet.project.problems import Mark, Problem
 from flatnet.project.section import Section
 from flatnet.project.values import direction, frozen, name, nearest, point_in, scalar
 from flatnet.project.yaml_nodes import mark_of

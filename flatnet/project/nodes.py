@@ -12,16 +12,8 @@ from typing import Any
 import numpy as np
 import yaml
 
-from flatnet.project.model import (
-    AtLandmark,
-    CurveSpec,
-    Fraction,
-    NodeSpec,
-    OnCurve,
-    OnLine,
-    OnRay,
-    Problem,
-)
+from flatnet.project.curve_specs import AtLandmark, CurveSpec, Fraction, NodeSpec, OnCurve, OnLine, OnRay
+from flatnet.project.problems import Problem
 from flatnet.project.section import Section
 from flatnet.project.values import (
     NAME,

@@ -7,7 +7,7 @@ from typing import Literal, cast
 import numpy as np
 import yaml
 
-from flatnet.project.model import Floats, MeshEdges, NamedLine, PlaneSection
+from flatnet.project.curve_specs import Floats, MeshEdges, NamedLine, PlaneSection
 from flatnet.project.section import Section
 from flatnet.project.values import WrongValueError, between, direction, number, point_in, scalar, wrong
 from flatnet.project.yaml_nodes import describe

@@ -7,7 +7,7 @@ from typing import TypeVar
 
 import yaml
 
-from flatnet.project.model import Mark, Problem
+from flatnet.project.problems import Mark, Problem
 from flatnet.project.values import Parser, WrongValueError, name, nearest, wrong
 from flatnet.project.yaml_nodes import entries, is_null, mark_of
 

@@ -8,7 +8,7 @@ from typing import Literal, cast
 
 import yaml
 
-from flatnet.project.model import DartSpec, Ends, NotchSpec, SeamSpec
+from flatnet.project.seam_specs import DartSpec, Ends, NotchSpec, SeamSpec
 from flatnet.project.section import Section
 from flatnet.project.values import Parser, between, flag, integer, length_in, one_of, wrong
 from flatnet.project.yaml_nodes import is_number, mark_of

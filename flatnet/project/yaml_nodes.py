@@ -12,7 +12,7 @@ from pathlib import Path
 
 import yaml
 
-from flatnet.project.model import Mark, Problem, ProjectError
+from flatnet.project.problems import Mark, Problem, ProjectError
 
 _STANDARD = "tag:yaml.org,2002:"
 _TAGS = {

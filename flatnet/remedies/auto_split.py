@@ -10,7 +10,8 @@ from flatnet.fitting.results import FittedPatch
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.network.network import CurveNetwork
 from flatnet.network.patch import Patch
-from flatnet.project.model import PatchSpec, Project
+from flatnet.project.model import Project
+from flatnet.project.patch_specs import PatchSpec
 from flatnet.remedies.diagnose import FitAll, Result, Trial, diagnose, needs_cut
 from flatnet.remedies.seam_spec import seam_spec
 

@@ -11,7 +11,8 @@ from flatnet.geometry.polygon import polyline_length
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.network.patch import Patch
 from flatnet.parameters import METHODS
-from flatnet.project.model import GrainSpec, PatchSpec, Project
+from flatnet.project.model import Project
+from flatnet.project.patch_specs import GrainSpec, PatchSpec
 from flatnet.remedies.diagnose import Diagnosis
 from flatnet.remedies.ring_seam import RingSeam
 

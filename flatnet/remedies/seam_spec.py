@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from flatnet.network.network import SampledStretch
-from flatnet.project.model import CurveSpec, NormalList, NormalSpec, PatchSpec
+from flatnet.project.curve_specs import CurveSpec, NormalList, NormalSpec
+from flatnet.project.patch_specs import PatchSpec
 
 
 def seam_spec(seam: SampledStretch, patch: PatchSpec) -> CurveSpec:

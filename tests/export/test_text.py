@@ -17,7 +17,7 @@ from flatnet.pattern import make_piece
 from flatnet.pattern.labels import line_breaks, text_width
 from flatnet.pattern.notches import SeamNotch
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import NotchSpec, SeamSpec
+from flatnet.project.seam_specs import NotchSpec, SeamSpec
 
 SVG = "{http://www.w3.org/2000/svg}"
 FACE = FontProperties(family="DejaVu Sans")

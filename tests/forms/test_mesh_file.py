@@ -7,7 +7,8 @@ import pytest
 import trimesh
 
 from flatnet.forms.mesh_file import MeshFileError, read_mesh
-from flatnet.project.model import Mark, MeshSurface
+from flatnet.project.model import MeshSurface
+from flatnet.project.problems import Mark
 
 
 def read(path: Path, mm_per_unit: float = 1.0, up: str = "z", outer: str = "outside"):

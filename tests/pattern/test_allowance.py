@@ -6,7 +6,7 @@ import shapely
 from pieces import LETTER_F, SQUARE, blob
 
 from flatnet.pattern.allowance import MITRE_LIMIT, Corner, cut_line
-from flatnet.project.model import Ends
+from flatnet.project.seam_specs import Ends
 
 #: mm; what the cut line has to keep.
 EXACT = 1e-6

@@ -7,7 +7,7 @@ from pieces import cloth, fitted, seams_of
 
 from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
-from flatnet.project.model import DartSpec, SeamSpec
+from flatnet.project.seam_specs import DartSpec, SeamSpec
 
 #: A skirt panel whose hem (below) slopes; the dart opens at its upper edge, legs of 80 mm, 30 degrees apart.
 TIP = np.array([100.0, 60.0])

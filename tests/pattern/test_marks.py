@@ -12,8 +12,8 @@ from flatnet.export.svg import write_piece
 from flatnet.fitting.results import FlattenableMesh
 from flatnet.pattern import make_piece
 from flatnet.pattern.marks import carry
-from flatnet.project.model import Mark as Place
-from flatnet.project.model import MarkSpec
+from flatnet.project.patch_specs import MarkSpec
+from flatnet.project.problems import Mark as Place
 
 RADIUS, COLUMNS, ROWS = 60.0, 9, 6
 

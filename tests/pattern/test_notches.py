@@ -14,7 +14,7 @@ from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
 from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import NotchSpec, SeamSpec
+from flatnet.project.seam_specs import NotchSpec, SeamSpec
 
 
 def straight(length, edges=7):

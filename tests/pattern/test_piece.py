@@ -10,7 +10,7 @@ from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
 from flatnet.pattern.allowance import MITRE_LIMIT
 from flatnet.pattern.seams import Seam
-from flatnet.project.model import Ends, SeamSpec
+from flatnet.project.seam_specs import Ends, SeamSpec
 
 #: Round-off of GEOS over outlines of 100 to 1000 mm.
 ROUND_OFF = 1e-9

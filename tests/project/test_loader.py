@@ -26,7 +26,7 @@ from flatnet.project import (
     SeamSpec,
     load_project,
 )
-from flatnet.project.model import AtLandmark, MeshEdges, NamedLine, OnCurve, OnLine, OnRay, PlaneSection
+from flatnet.project.curve_specs import AtLandmark, MeshEdges, NamedLine, OnCurve, OnLine, OnRay, PlaneSection
 
 GOOD = Path(__file__).with_name("good.yaml").read_text(encoding="utf-8")
 DOCS = Path(__file__).parents[2] / "docs" / "project-file.md"

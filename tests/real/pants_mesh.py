@@ -11,7 +11,8 @@ import trimesh
 from numpy.typing import NDArray
 
 from flatnet.forms.mesh_file import read_mesh
-from flatnet.project.model import Mark, MeshSurface
+from flatnet.project.model import MeshSurface
+from flatnet.project.problems import Mark
 
 Floats = NDArray[np.float64]
 
