@@ -75,7 +75,7 @@ def pants_project(folder: Path) -> Path:
                 "right_ankle": "{around: [-ankle_right]}",
             },
         )
-        + "materials:\n  denim: {width: 1500, rotations: [0, 180], gap: 3, allowance: 10}\n",
+        + "materials:\n  denim: {width: 1500, rotations: [0, 180], gap: 3, allowance: 10}\nnesting: {seconds: 1}\n",
         encoding="utf-8",
     )
     return file

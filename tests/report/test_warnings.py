@@ -16,7 +16,7 @@ RADIUS, LATITUDE = 50.0, np.radians(40.0)
 
 
 def build(folder, project):
-    (folder / "project.yaml").write_text(yaml.safe_dump(project))
+    (folder / "project.yaml").write_text(yaml.safe_dump(project | {"nesting": {"seconds": 1}}))
     assert main(["build", str(folder / "project.yaml"), "-o", str(folder / "out")]) == 0
     return read_report(folder / "out")
 
