@@ -14,6 +14,7 @@ from flatnet.export.file_names import safe_file_names
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
 from flatnet.export.output import HEIGHTS, REPORT, OutputFolder
+from flatnet.export.pieces_json import PIECES, PieceFile, write_pieces
 from flatnet.export.svg import write_layout, write_piece
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.mirror import reflect_patch
@@ -266,8 +267,10 @@ def _write(
     (folder / "patches").mkdir()
     (folder / "pieces").mkdir()
     names = safe_file_names(_titles(project))
-    files = ["network.json", STORED_LAYOUT, *layouts]
+    files = ["network.json", PIECES, STORED_LAYOUT, *layouts]
     write_network(folder / "network.json", network)
+    named = {names[_title(project, piece)]: piece for piece in pieces}
+    write_pieces(folder / PIECES, PieceFile(project.name, project.size, project.materials, named))
     write_stored(folder / STORED_LAYOUT, layouts.values())
     if heights:
         files.append(HEIGHTS)
@@ -280,8 +283,8 @@ def _write(
             files += [f"patches/{name}.obj", f"patches/{name}.initial.obj"]
             write_obj(folder / files[-2], mesh.vertices, mesh.triangles, result.flat)
             write_obj(folder / files[-1], warped.vertices, warped.triangles, result.planar.positions)
-    for piece in pieces:
-        files.append(f"pieces/{names[_title(project, piece)]}.svg")
+    for name, piece in named.items():
+        files.append(f"pieces/{name}.svg")
         write_piece(folder / files[-1], piece)
     for file, layout in layouts.items():
         wanted = [spec.name for spec in project.patches.values() if layout.material.name in spec.materials]

@@ -70,6 +70,11 @@ class Notch:
             array.setflags(write=False)
 
     @property
+    def width(self) -> float:
+        """Of each mark, mm; 0 for a slit."""
+        return 0.0 if self.kind == "slit" else MARK_WIDTH
+
+    @property
     def lines(self) -> list[Floats]:
         """What is drawn, (k, 2) each."""
         across = np.array([-self.inward[1], self.inward[0]])

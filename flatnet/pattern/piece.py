@@ -47,6 +47,11 @@ class SeamRun:
     def __post_init__(self) -> None:
         self.vertices.setflags(write=False)
 
+    def edges(self, count: int) -> Ints:
+        """Those along it of a sew line of `count` vertices, (k - 1,), in the seam's direction; edge i starts at i."""
+        starts, ends = self.vertices[:-1], self.vertices[1:]
+        return np.where(ends == (starts + 1) % count, starts, ends)
+
 
 @dataclass(frozen=True, eq=False)
 class Piece:
@@ -57,6 +62,7 @@ class Piece:
     sew_line : (n, 2) float; the flat boundary of the patch, untouched.
     cut_line : (k, 2) float; the sew line and its allowances.
     holes : (k, 2) float each, clockwise; cut out inside it: what a patch that closes on itself goes round.
+    allowances : (n,) float; of the sew line's edge from vertex i to vertex i + 1.
     grain : (2, 2) float; the arrow's tail and head, inside the piece; None where the patch has no grain.
     one_way : its material may not be turned by 180 degrees (a nap).
     notches : marks in the allowance, from the cut line inwards.
@@ -72,6 +78,7 @@ class Piece:
     sew_line: Floats
     cut_line: Floats
     holes: tuple[Floats, ...]
+    allowances: Floats
     seams: tuple[SeamRun, ...]
     notches: tuple[Notch, ...]
     marks: tuple[Mark, ...]
@@ -85,8 +92,8 @@ class Piece:
     warnings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
-        for line in (self.sew_line, self.cut_line, *self.holes):
-            line.setflags(write=False)
+        for array in (self.sew_line, self.cut_line, *self.holes, self.allowances):
+            array.setflags(write=False)
 
     @cached_property
     def region(self) -> Polygon:
@@ -188,6 +195,7 @@ def make_piece(
         sew_line=sew_line,
         cut_line=cut.outline,
         holes=cut.holes,
+        allowances=widths,
         seams=tuple(runs),
         notches=notches,
         marks=tuple(drawn),
