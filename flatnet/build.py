@@ -270,7 +270,7 @@ def _write(
     files = ["network.json", PIECES, STORED_LAYOUT, *layouts]
     write_network(folder / "network.json", network)
     named = {names[_title(project, piece)]: piece for piece in pieces}
-    write_pieces(folder / PIECES, PieceFile(project.name, project.size, project.materials, named))
+    write_pieces(folder / PIECES, PieceFile(project.name, project.size, project.materials, named, project.strokes))
     write_stored(folder / STORED_LAYOUT, layouts.values())
     if heights:
         files.append(HEIGHTS)

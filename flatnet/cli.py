@@ -16,7 +16,9 @@ from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, T
 
 from flatnet.build import BuildResult, build, check
 from flatnet.diagnosis import NoSuchPatchError, diagnose_project
+from flatnet.export.formats import EXPORTERS, export
 from flatnet.export.output import OutputError
+from flatnet.export.written_build import ExportError
 from flatnet.project import ProjectError
 from flatnet.report.build_files import BuildFilesError
 from flatnet.report.diagnosis_text import diagnosis_lines, ring_lines
@@ -40,6 +42,10 @@ def main(arguments: Sequence[str] | None = None) -> int:
         if options.command == "draw":
             _say(str(draw(options.folder, options.picture)), sys.stdout)
             return 0
+        if options.command == "export":
+            exported = export(options.folder, options.format, options.out, options.certificate)
+            _say("\n".join([*exported.files, *exported.notes]), sys.stdout)
+            return 0
         if options.command == "faces":
             drawing = DrawingOptions(options.units, options.up, options.snap, options.join_crossings)
             _say("\n".join(faces(options.network, options.out, drawing).lines), sys.stdout)
@@ -56,7 +62,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         written = "; nothing was written" if options.command == "build" else ""
         _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
-    except (OutputError, BuildFilesError, PictureError, NoSuchPatchError) as error:
+    except (OutputError, ExportError, BuildFilesError, PictureError, NoSuchPatchError) as error:
         _say(str(error), sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
@@ -116,6 +122,13 @@ def _parser() -> argparse.ArgumentParser:
     command = commands.add_parser("draw", help=text, description=text)
     command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
     command.add_argument("-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="else OUT.png")
+    text = "write a build's pieces and layouts in other formats"
+    command = commands.add_parser("export", help=text, description=text)
+    command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
+    text = f"one or more, with commas between: {', '.join(EXPORTERS)}"
+    command.add_argument("--format", type=_formats, required=True, metavar="FORMAT", help=text)
+    command.add_argument("-o", "--out", type=Path, metavar="DIR", help="folder to write to (default: OUT/exports)")
+    command.add_argument("--certificate", action="store_true", help="PDFs end with what `flatnet verify` certified")
     text = "list and draw the faces of a drawing or a project; of a drawing, write a project to start from"
     command = commands.add_parser("faces", help=text, description=text)
     text = "a drawing (CSV, DXF, JSON, OBJ, SVG), or a PROJECT.yaml"
@@ -143,6 +156,14 @@ def _positive(text: str) -> int:
     if not text.isdecimal() or int(text) < 1:
         raise argparse.ArgumentTypeError(f"expected a number from 1, got {text!r}")
     return int(text)
+
+
+def _formats(text: str) -> list[str]:
+    names = list(dict.fromkeys(text.split(",")))
+    for name in names:
+        if name not in EXPORTERS:
+            raise argparse.ArgumentTypeError(f"unknown format {name!r}; known: {', '.join(EXPORTERS)}")
+    return names
 
 
 def _add_unit_and_axis(command: argparse.ArgumentParser) -> None:

@@ -128,3 +128,35 @@ class NestingParameters:
     def __post_init__(self) -> None:
         _check(self.seconds, "seconds", 1, 3600)
         _check(self.seed, "seed", 0, 2**31 - 1)
+
+
+#: Colours of lines by their meaning: a machine's software tells the operations apart by them.
+STROKES = {
+    "cut": "#ff0000",
+    "sew": "#0000ff",
+    "notch": "#ff00ff",
+    "internal": "#8800cc",
+    "grain": "#00aa00",
+    "text": "#000000",
+    "sheet": "#888888",
+}
+
+#: What `flatnet export` can write.
+EXPORT_FORMATS = (
+    "svg",
+    "dxf",
+    "dxf-astm",
+    "dxf-aama",
+    "pdf",
+    "pdf-a4",
+    "pdf-letter",
+    "pdf-a3",
+    "pdf-a0",
+    "hpgl",
+    "obj",
+    "glb",
+    "ply",
+    "sewing",
+    "garmentcode",
+    "cutlist",
+)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -12,6 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.geometry.polygon import arclengths
+from flatnet.parameters import STROKES
 from flatnet.pattern.labels import Label
 from flatnet.pattern.marks import Mark
 from flatnet.pattern.notches import Notch
@@ -36,12 +37,14 @@ class PieceFile:
     materials : the rolls, by name.
     pieces : name of a piece, which is its file's without ending -> the piece. Its seams are known by name, number,
         curve, patches and length only.
+    strokes : meaning of a line -> the colour that it is drawn in, #rrggbb.
     """
 
     project: str
     size: str
     materials: Mapping[str, Material]
     pieces: Mapping[str, Piece]
+    strokes: Mapping[str, str] = field(default_factory=lambda: dict(STROKES))
 
     @property
     def title(self) -> str:
@@ -57,6 +60,7 @@ def write_pieces(path: Path, content: PieceFile) -> None:
         "units": "mm",
         "project": content.project,
         "size": content.size,
+        "strokes": dict(content.strokes),
         "materials": [_material(material) for material in content.materials.values()],
         "seams": [_seam(seam) for seam in sorted(seams.values(), key=lambda seam: seam.number)],
         "pieces": [_piece(name, piece) for name, piece in content.pieces.items()],
@@ -173,6 +177,7 @@ def read_pieces(path: Path) -> PieceFile:
             size=record["size"],
             materials={item["name"]: _read_material(item) for item in record["materials"]},
             pieces={item["name"]: _read_piece(item, seams) for item in record["pieces"]},
+            strokes=STROKES | record["strokes"],
         )
     except (AttributeError, IndexError, KeyError, TypeError) as error:
         raise ValueError(f"not the pieces of a build: {type(error).__name__}: {error}") from None

@@ -78,7 +78,7 @@ def _write_page(
     """A page with the sheet at its top left corner, below it the test square, the title and the table of seams."""
     lines = [part for line in title for part in textwrap.wrap(line, TITLE_LETTERS)]
     letter = min(max(TITLE_HEIGHT, TITLE_PART * size[0]), 4.0 * TITLE_HEIGHT)
-    rows = _seam_table(placements)
+    rows = seam_table(placements)
     column = TABLE_HEIGHT * max(map(text_width, rows)) + MARGIN
     title_width = letter * max(map(text_width, lines))
     width = _rounded(max(size[0], TEST_SQUARE + title_width + 3.0 * MARGIN, column + MARGIN))
@@ -111,7 +111,7 @@ def _write_page(
     drawing.save(pretty=True)
 
 
-def _seam_table(placements: Sequence[Placement]) -> list[str]:
+def seam_table(placements: Sequence[Placement]) -> list[str]:
     """A line for every seam of the pieces: what its number on them stands for, and what it joins."""
     seams = {run.seam.name: run.seam for placement in placements for run in placement.piece.seams}
     return [

@@ -75,13 +75,21 @@ class Notch:
         return 0.0 if self.kind == "slit" else MARK_WIDTH
 
     @property
+    def feet(self) -> Floats:
+        """Where its marks begin, side by side about `foot`, (marks, 2)."""
+        shifts = MARK_PITCH * (np.arange(self.marks) - 0.5 * (self.marks - 1))
+        return self.foot + shifts[:, None] * self._across
+
+    @property
     def lines(self) -> list[Floats]:
         """What is drawn, (k, 2) each."""
-        across = np.array([-self.inward[1], self.inward[0]])
         strokes = _STROKES[self.kind] * (MARK_WIDTH, self.depth)
-        shifts = MARK_PITCH * (np.arange(self.marks) - 0.5 * (self.marks - 1))
-        frame = np.array([across, self.inward])
-        return [self.foot + shift * across + stroke @ frame for shift in shifts for stroke in strokes]
+        frame = np.array([self._across, self.inward])
+        return [foot + stroke @ frame for foot in self.feet for stroke in strokes]
+
+    @property
+    def _across(self) -> Floats:
+        return np.array([-self.inward[1], self.inward[0]])
 
 
 #: Kind -> its strokes, across in widths and inward in depths from the cut line.

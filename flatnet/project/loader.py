@@ -9,7 +9,7 @@ from typing import Literal, cast
 import numpy as np
 import yaml
 
-from flatnet.parameters import FairParameters, Limits, NestingParameters
+from flatnet.parameters import EXPORT_FORMATS, STROKES, FairParameters, Limits, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
 from flatnet.project.imports import read_imports
@@ -22,6 +22,7 @@ from flatnet.project.section import Section
 from flatnet.project.values import (
     WrongValueError,
     between,
+    colour,
     integer,
     length_in,
     name,
@@ -55,6 +56,8 @@ _TOP_KEYS = (
     "fitting",
     "nesting",
     "limits",
+    "strokes",
+    "exports",
 )
 _MESH_KEYS = ("mesh", "units", "up", "outer", "clearance")
 _MESH_FILES = (".obj", ".stl", ".ply")
@@ -162,7 +165,21 @@ def _project(file: Path, top: Section) -> Project:
         limits=read_parameters(top.section("limits", parameter_names(Limits)), Limits()),
         joins_crossings=joins_crossings,
         mirror=mirror,
+        strokes=_strokes(top.section("strokes", STROKES)),
+        exports=_exports(top),
     )
+
+
+def _strokes(section: Section) -> dict[str, str]:
+    return {key: section.get(key, colour, usual) for key, usual in STROKES.items()}
+
+
+def _exports(top: Section) -> tuple[str, ...]:
+    if "exports" not in top.values:
+        return ()
+    items = top.items("exports", top.values["exports"], "a list of formats, such as [pdf-a4, dxf-astm]")
+    formats = (top.read(label, item, one_of(*EXPORT_FORMATS), "") for label, item in items)
+    return tuple(dict.fromkeys(formats))
 
 
 def _surface(

@@ -9,7 +9,7 @@ from typing import Literal
 
 from flatnet.failure import Finding
 from flatnet.geometry.mirror import MirrorPlane
-from flatnet.parameters import Limits, NestingParameters
+from flatnet.parameters import STROKES, Limits, NestingParameters
 from flatnet.project.curve_specs import CurveSpec, NodeSpec
 from flatnet.project.patch_specs import OpeningSpec, PatchSpec
 from flatnet.project.problems import Mark
@@ -76,7 +76,7 @@ class Project:
     """A project file that has been read and checked on its own; what only the geometry tells comes later.
 
     Everything is in mm; the file itself is in `mm_per_unit`. `findings` : what was done to the curves of drawings
-    that it imports.
+    that it imports; `strokes` : meaning of a line -> its colour, #rrggbb; `exports` : formats that a build writes too.
     """
 
     file: Path
@@ -97,6 +97,8 @@ class Project:
     findings: tuple[Finding, ...] = ()
     joins_crossings: bool = False
     mirror: MirrorPlane | None = None
+    strokes: Mapping[str, str] = field(default_factory=lambda: dict(STROKES))
+    exports: tuple[str, ...] = ()
 
     @property
     def title(self) -> str:

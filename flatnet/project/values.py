@@ -185,6 +185,14 @@ def one_of(*words: str) -> Parser[str]:
     return parser
 
 
+def colour(node: yaml.Node) -> str:
+    """A colour as #rrggbb, in small letters."""
+    text = scalar("a colour, '#rrggbb' in quotes")(node)
+    if not re.fullmatch("#[0-9a-fA-F]{6}", text):
+        raise wrong(node, "a colour, '#rrggbb' in quotes")
+    return text.lower()
+
+
 def title(node: yaml.Node) -> str:
     """One line of text."""
     text = scalar("a line of text")(node)

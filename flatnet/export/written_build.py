@@ -1,0 +1,144 @@
+"""A build's folder as exporters take it: its pieces, sheets, seams and meshes, from the written files alone."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.export.file_names import safe_file_names
+from flatnet.export.obj import read_obj
+from flatnet.export.output import REPORT, REPORT_FORMAT
+from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
+from flatnet.nesting.layout import Layout, Placement
+from flatnet.pattern.piece import Piece
+
+CERTIFICATE = "certificate.json"
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+
+class ExportError(Exception):
+    """There is nothing that can be exported, or something needed for it is missing."""
+
+
+@dataclass(frozen=True, eq=False)
+class Sheet:
+    """A laid-out sheet; `name` is that of its drawing, without ending."""
+
+    name: str
+    layout: Layout
+
+
+@dataclass(frozen=True, eq=False)
+class FittedMesh:
+    """The mesh of one patch: vertices (m, 3) and flat coordinates (m, 2), mm; triangles (t, 3)."""
+
+    patch: str
+    vertices: Floats
+    triangles: Ints
+    flat: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenBuild:
+    """What a build wrote.
+
+    Attributes
+    ----------
+    report : the content of report.json (docs/report.md).
+    content : that of pieces.json.
+    sheets : in the order of the report.
+    certificate : the content of certificate.json, where it is asked for.
+    """
+
+    folder: Path
+    report: Mapping[str, Any]
+    content: PieceFile
+    sheets: tuple[Sheet, ...]
+    certificate: Mapping[str, Any] | None = None
+
+    @property
+    def pieces(self) -> Mapping[str, Piece]:
+        """Every piece by its name, which is also that of its file."""
+        return self.content.pieces
+
+    @property
+    def missing(self) -> tuple[str, ...]:
+        """The patches that were not made or not laid out."""
+        return tuple(record["name"] for record in self.report["patches"] if record["status"] != "ok")
+
+    @cached_property
+    def meshes(self) -> tuple[FittedMesh, ...]:
+        """The fitted mesh of every patch that has one, in the order of the report."""
+        names = safe_file_names(record["name"] for record in self.report["patches"])
+        files = {name: f"patches/{file}.obj" for name, file in names.items()}
+        listed = set(self.report["files"])
+        return tuple(
+            FittedMesh(name, *_read(self.folder / file, read_obj)) for name, file in files.items() if file in listed
+        )
+
+
+def read_written(folder: Path, certificate: bool = False) -> WrittenBuild:
+    """Read the folder of a build, and its certificate where that is asked for.
+
+    Raises
+    ------
+    ExportError
+        There is no build in the folder, or a file of it is missing or is not what a build wrote.
+    """
+    if not (folder / REPORT).is_file():
+        raise ExportError(f"{folder}: holds no {REPORT} of a build; run `flatnet build` into it first")
+    report = _read(folder / REPORT, _json)
+    if not isinstance(report, dict) or report.get("format") != REPORT_FORMAT:
+        raise ExportError(f"{folder / REPORT}: not a report of this version; build again")
+    content = _read(folder / PIECES, read_pieces)
+    try:
+        sheets = tuple(_sheets(report["layouts"], content))
+    except (KeyError, TypeError, ValueError) as error:
+        raise ExportError(f"{folder / REPORT}: does not fit {PIECES}, {error}; build again") from None
+    return WrittenBuild(folder, report, content, sheets, _certificate(folder / CERTIFICATE) if certificate else None)
+
+
+def _certificate(path: Path) -> Mapping[str, Any]:
+    if not path.is_file():
+        raise ExportError(f"{path}: is not there; run `flatnet verify {path.parent}` first")
+    content: Mapping[str, Any] = _read(path, _json)
+    return content
+
+
+def _json(path: Path) -> Any:
+    return json.loads(path.read_text(encoding="utf-8"))
+
+
+def _sheets(records: Sequence[Mapping[str, Any]], content: PieceFile) -> list[Sheet]:
+    pieces = {(piece.name, piece.material): piece for piece in content.pieces.values()}
+    sheets: list[Sheet] = []
+    for record in records:
+        material = replace(content.materials[record["material"]], width=record["sheet_width_mm"])
+        placements = tuple(_placement(pieces[p["patch"], material.name], p) for p in record["pieces"])
+        number = 1 + sum(sheet.layout.material.name == material.name for sheet in sheets)
+        layout = Layout(material, placements, number, record["draft"])
+        sheets.append(Sheet(Path(record["file"]).stem, layout))
+    return sheets
+
+
+def _placement(piece: Piece, record: Mapping[str, Any]) -> Placement:
+    turned = record["rotation_deg"], record["x_mm"], record["y_mm"]
+    return Placement(piece, record["copy"], record["mirrored"], *turned)
+
+
+def _read(path: Path, reader: Any) -> Any:
+    try:
+        return reader(path)
+    except OSError as error:
+        raise ExportError(f"{path}: can't be read: {error.strerror}; build again") from None
+    except ValueError as error:
+        raise ExportError(f"{path}: {error}; build again") from None
