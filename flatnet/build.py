@@ -11,6 +11,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.export.file_names import safe_file_names
+from flatnet.export.folds import write_folds
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
 from flatnet.export.output import HEIGHTS, REPORT, OutputFolder
@@ -280,9 +281,10 @@ def _write(
         if isinstance(result, FittedPatch):
             name = names[result.patch.name]
             mesh, warped = result.mesh, result.warped
-            files += [f"patches/{name}.obj", f"patches/{name}.initial.obj"]
-            write_obj(folder / files[-2], mesh.vertices, mesh.triangles, result.flat)
-            write_obj(folder / files[-1], warped.vertices, warped.triangles, result.planar.positions)
+            files += [f"patches/{name}.obj", f"patches/{name}.initial.obj", f"patches/{name}.folds.json"]
+            write_obj(folder / files[-3], mesh.vertices, mesh.triangles, result.flat)
+            write_obj(folder / files[-2], warped.vertices, warped.triangles, result.planar.positions)
+            write_folds(folder / files[-1], mesh)
     for name, piece in named.items():
         files.append(f"pieces/{name}.svg")
         write_piece(folder / files[-1], piece)

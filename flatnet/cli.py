@@ -25,6 +25,9 @@ from flatnet.report.diagnosis_text import diagnosis_lines, ring_lines
 from flatnet.report.pictures import PictureError, draw, draw_diagnoses
 from flatnet.report.summary import counted, network_lines, summary_lines
 from flatnet.start import DrawingOptions, faces, new
+from flatnet.verify import NotABuildError, verify
+from flatnet.verify.certificate import FILE as CERTIFICATE
+from flatnet.verify.table import table
 from flatnet.version import VERSION
 
 EXIT_INVALID, EXIT_INTERRUPTED = 2, 130
@@ -46,6 +49,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             exported = export(options.folder, options.format, options.out, options.certificate)
             _say("\n".join([*exported.files, *exported.notes]), sys.stdout)
             return 0
+        if options.command == "verify":
+            return _verify(options.folder)
         if options.command == "faces":
             drawing = DrawingOptions(options.units, options.up, options.snap, options.join_crossings)
             _say("\n".join(faces(options.network, options.out, drawing).lines), sys.stdout)
@@ -62,7 +67,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         written = "; nothing was written" if options.command == "build" else ""
         _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
-    except (OutputError, ExportError, BuildFilesError, PictureError, NoSuchPatchError) as error:
+    except (OutputError, ExportError, BuildFilesError, PictureError, NoSuchPatchError, NotABuildError) as error:
         _say(str(error), sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
@@ -129,6 +134,9 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("--format", type=_formats, required=True, metavar="FORMAT", help=text)
     command.add_argument("-o", "--out", type=Path, metavar="DIR", help="folder to write to (default: OUT/exports)")
     command.add_argument("--certificate", action="store_true", help="PDFs end with what `flatnet verify` certified")
+    text = "check a build from its written files alone and write certificate.json"
+    command = commands.add_parser("verify", help=text, description=text)
+    command.add_argument("folder", type=Path, metavar="OUT", help="output folder of a build")
     text = "list and draw the faces of a drawing or a project; of a drawing, write a project to start from"
     command = commands.add_parser("faces", help=text, description=text)
     text = "a drawing (CSV, DXF, JSON, OBJ, SVG), or a PROJECT.yaml"
@@ -186,6 +194,15 @@ def _diagnose(project: Path, names: Sequence[str], picture: Path | None, workers
     if picture is not None and found.diagnoses:
         _say(str(draw_diagnoses(found.project.name, found.diagnoses, picture)), sys.stdout)
     return 0 if found.all_cured else 1
+
+
+def _verify(folder: Path) -> int:
+    """Print what was measured; 0 where all of it is as it should be, else 1."""
+    certificate = verify(folder)
+    _say(table(certificate), sys.stdout)
+    result = "verified" if certificate.passed else f"{counted(len(certificate.problems), 'check')} failed"
+    _say(f"{result}: {counted(len(certificate.hashes), 'file')}; {folder / CERTIFICATE}", sys.stdout)
+    return 0 if certificate.passed else 1
 
 
 def _say_progress(text: str, done: int, total: int) -> None:

@@ -141,3 +141,7 @@ def test_building_again_gives_the_same_files(out, report):
     project = next(ROOT.glob(f"projects/{report['project']}/project.yaml"))
     assert main(["build", str(project), "-o", str(out)]) == 0
     assert {name: (out / name).read_bytes() for name in before} == before
+
+
+def test_the_written_files_verify(out):
+    assert main(["verify", str(out)]) == 0

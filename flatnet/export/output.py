@@ -22,6 +22,9 @@ REPORT_FORMAT = "flatnet-report/1"
 REPORT = "report.json"
 #: Of every vertex of every patch, how far it lies outside the reference surface, mm.
 HEIGHTS = "surface_distance.json"
+#: What `flatnet verify` adds to a build; of another build it would be a lie.
+CERTIFICATE = "certificate.json"
+CERTIFICATE_FORMAT = "flatnet-certificate/1"
 _STAGING = ".flatnet-unfinished-"
 _MANIFEST = "manifest.json"
 #: What ends a process from outside; Windows has no SIGHUP.
@@ -40,7 +43,8 @@ class OutputFolder:
     """Files are written to `staging`, a folder inside OUT, and moved into place by `commit`, report.json last.
 
     Used in a `with` statement: what was not committed at its end is removed and the earlier build is as it was.
-    `commit` removes what an earlier build left (the files that its report lists); other files are left alone. Should
+    `commit` removes what an earlier build left (the files that its report lists, and its certificate); other files are
+    left alone. Should
     the process be killed in the middle of it, a manifest in the staging folder tells the next build what is ours.
 
     Raises
@@ -87,6 +91,9 @@ class OutputFolder:
         if isinstance(report, dict) and report.get("format") == REPORT_FORMAT:
             ours = True
             known.update(_inside(self.folder, report.get("files")))
+            certificate = _json(self.folder / CERTIFICATE)
+            if isinstance(certificate, dict) and certificate.get("format") == CERTIFICATE_FORMAT:
+                known.add(CERTIFICATE)
         for manifest in manifests:
             known.update(_inside(self.folder, _json(manifest)))
         if not ours:

@@ -92,3 +92,7 @@ def test_what_was_not_made_has_no_files(out):
     assert report["status"] == "partial"
     assert not [file for file in report["files"] if "left" in file]
     assert [piece["patch"] for piece in report["layouts"][0]["pieces"]] == ["right"]
+
+
+def test_what_was_made_of_a_project_with_a_failed_patch_verifies(out):
+    assert main(["verify", str(out)]) == 0

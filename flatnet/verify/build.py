@@ -1,0 +1,177 @@
+"""A build as its files tell it: patches with their meshes, curves, seams, materials, pieces, layouts."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from contextlib import contextmanager
+from dataclasses import dataclass, field
+
+import numpy as np
+from numpy.typing import NDArray
+
+from flatnet.verify.measured import Measured, damage
+from flatnet.verify.mesh import WrittenMesh
+from flatnet.verify.written import REPORT, DamagedError, Record, WrittenFiles
+
+Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+NETWORK = "network.json"
+PIECES = "pieces.json"
+
+
+class Findings(list[Measured]):
+    """All that was measured; damaged files are findings too."""
+
+    @contextmanager
+    def guarded(self) -> Iterator[None]:
+        """What is in a damaged file is left out, and the damage noted."""
+        try:
+            yield
+        except DamagedError as error:
+            self.append(damage(error.file, error.words))
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenPatch:
+    """A patch that was fitted.
+
+    Attributes
+    ----------
+    file : its OBJ.
+    metrics : what the report says of it.
+    strain_limit : what its material gives; 0: exact.
+    """
+
+    name: str
+    file: str
+    mesh: WrittenMesh
+    metrics: Record
+    strain_limit: float
+
+    def beside(self, ending: str) -> str:
+        """The file of the same patch with another ending."""
+        return self.file.removesuffix(".obj") + ending
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenCurve:
+    """A stretch of a curve: vertices (n, 3) mm, unit normals (n - 1, 3) of its edges on its left and its right side."""
+
+    vertices: Floats
+    left_normals: Floats
+    right_normals: Floats
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenMaterial:
+    """A roll; `rotations` None: free; `length` inf: no limit."""
+
+    width: float
+    length: float
+    rotations: Floats | None
+    gap: float
+    strain: float
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenPiece:
+    """A piece of pieces.json.
+
+    Attributes
+    ----------
+    name : that of its drawing.
+    cut, mirrored : how many plain and mirrored copies.
+    sew_line, cut_line, holes : closed, (k, 2) float, mm, in its own frame.
+    """
+
+    name: str
+    patch: str
+    material: str
+    cut: int
+    mirrored: int
+    sew_line: Floats
+    cut_line: Floats
+    holes: tuple[Floats, ...]
+
+    @property
+    def file(self) -> str:
+        """Its drawing."""
+        return f"pieces/{self.name}.svg"
+
+
+@dataclass(frozen=True, eq=False)
+class WrittenBuild:
+    """What could be read of a build; `report` is all of report.json."""
+
+    report: Record
+    patches: dict[str, WrittenPatch] = field(default_factory=dict)
+    failed: set[str] = field(default_factory=set)
+    curves: dict[str, WrittenCurve] = field(default_factory=dict)
+    materials: dict[str, WrittenMaterial] = field(default_factory=dict)
+    pieces: list[WrittenPiece] = field(default_factory=list)
+
+
+def read_build(files: WrittenFiles, report: Record, findings: Findings) -> WrittenBuild:
+    """Read what the checks share; what is damaged is left out and found."""
+    build = WrittenBuild(report)
+    with findings.guarded():
+        pieces = Record(PIECES, files.json(PIECES))
+        for record in pieces.records("materials"):
+            build.materials[record.text("name")] = _material(record)
+        for record in pieces.records("pieces"):
+            with findings.guarded():
+                build.pieces.append(_piece(record))
+    with findings.guarded():
+        listed = set(report.texts("files"))
+        for record in report.records("patches"):
+            with findings.guarded():
+                _read_patch(files, record, listed, build)
+    with findings.guarded():
+        network = Record(NETWORK, files.json(NETWORK))
+        for record in network.records("curves"):
+            with findings.guarded():
+                build.curves[record.text("name")] = _curve(record)
+    return build
+
+
+def _material(record: Record) -> WrittenMaterial:
+    return WrittenMaterial(
+        width=record.number("width"),
+        length=record.number("length") if record.has("length") else np.inf,
+        rotations=record.numbers("rotations") if record.has("rotations") else None,
+        gap=record.number("gap"),
+        strain=record.number("strain"),
+    )
+
+
+def _piece(record: Record) -> WrittenPiece:
+    name, patch, material = (record.text(key) for key in ("name", "patch", "material"))
+    holes = tuple(record.point_lists("holes"))
+    cut, mirrored = record.count("cut"), record.count("mirrored")
+    return WrittenPiece(
+        name, patch, material, cut, mirrored, record.numbers("sew_line", 2), record.numbers("cut_line", 2), holes
+    )
+
+
+def _read_patch(files: WrittenFiles, record: Record, listed: set[str], build: WrittenBuild) -> None:
+    """A patch with a piece whose name is also that of an OBJ: that of its own material."""
+    name = record.text("name")
+    if record.text("status") != "ok":
+        build.failed.add(name)
+    for piece in build.pieces:
+        file = f"patches/{piece.name}.obj"
+        if piece.patch == name and file in listed:
+            strain = build.materials[piece.material].strain if piece.material in build.materials else 0.0
+            build.patches[name] = WrittenPatch(name, file, files.mesh(file), record.record("metrics"), strain)
+            return
+    if name not in build.failed:
+        raise DamagedError(REPORT, f"patch '{name}' was made, and has no piece in {PIECES} or no mesh among the files")
+
+
+def _curve(record: Record) -> WrittenCurve:
+    vertices, left = record.numbers("vertices", 3), record.numbers("normals", 3)
+    right = record.numbers("right_normals", 3) if record.has("right_normals") else left
+    if len(vertices) < 2 or not len(left) == len(right) == len(vertices) - 1:
+        raise DamagedError(NETWORK, f"'{record.text('name')}' has {len(vertices)} vertices and {len(left)} normals")
+    return WrittenCurve(vertices, left, right)
