@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint types bench clean
+.PHONY: demo test lint types bench pictures clean
 
 demo: $(READY)
 	$(BIN)/flatnet build projects/pants/project.yaml -o out
@@ -12,7 +12,7 @@ test: $(READY)
 	$(BIN)/python -m pytest
 
 lint: $(READY)
-	$(BIN)/ruff check flatnet tests
+	$(BIN)/ruff check flatnet tests projects
 
 types: $(READY)
 	$(BIN)/mypy
@@ -21,6 +21,10 @@ types: $(READY)
 bench: $(READY)
 	$(BIN)/python -m pip install --quiet --editable ".[dev,bench]"
 	$(BIN)/python -m tests.benchmark $(ARGS)
+
+# Builds every project and draws docs/pictures; ARGS="boat bag" those alone.
+pictures: $(READY)
+	$(BIN)/python -m tests.pictures $(ARGS)
 
 # The environment is made once and again whenever pyproject.toml changes.
 $(READY): pyproject.toml
