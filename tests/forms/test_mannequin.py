@@ -8,7 +8,8 @@ import trimesh
 from scipy.spatial import ConvexHull
 
 from flatnet.forms import make_surface
-from flatnet.forms.mannequin import LowerBody, mannequin, profile
+from flatnet.forms.body import Body, profile
+from flatnet.forms.mannequin import mannequin
 from flatnet.forms.measurements import MeasurementError
 from flatnet.project import ProjectError, load_project
 
@@ -37,7 +38,7 @@ def tape(points: np.ndarray) -> float:
 
 @BODIES
 def test_girths(measurements):
-    body = LowerBody(**measurements)
+    body = Body(**measurements)
     mesh = mannequin({**measurements, "half": "both"}).mesh
     for level in ("waist", "hip", "thigh", "knee", "calf", "ankle"):
         # A hair inside, so that the plane cuts the rims at waist and ankle too.
@@ -49,7 +50,7 @@ def test_girths(measurements):
 
 @BODIES
 def test_rise_and_inseam_are_exact(measurements):
-    body = LowerBody(**measurements)
+    body = Body(**measurements)
     mesh = mannequin({**measurements, "half": "right"}).mesh
     in_the_middle = mesh.vertices[mesh.vertices[:, 0] == 0.0]
     assert in_the_middle[:, 2].min() == pytest.approx(body.inseam, abs=1e-9)
@@ -63,7 +64,7 @@ def test_the_right_half_is_one_smooth_leg_open_at_ankle_waist_and_rises(measurem
     assert mesh.body_count == 1
     assert mesh.euler_number == 0  # a tube: its outer rim is waist and rises, its inner one the ankle
     assert (mesh.vertices[:, 0] >= 0.0).all()
-    body = LowerBody(**measurements)
+    body = Body(**measurements)
     rim = mesh.vertices[boundary_vertices(mesh)]
     ends = np.isclose(rim[:, 2], body.heights["waist"]) | np.isclose(rim[:, 2], body.heights["ankle"])
     assert (rim[~ends, 0] == 0.0).all()  # exactly in the sagittal plane
@@ -107,7 +108,7 @@ def test_normals_point_outwards():
 
 
 def test_legs_part_at_the_crotch_alone():
-    body = LowerBody()
+    body = Body()
     heights = np.linspace(body.heights["ankle"], body.heights["waist"], 2001)
     cx, _, a, b = profile(body, heights)
     assert (a > 0).all() and (b > 0).all()
@@ -130,7 +131,7 @@ def test_lines_and_landmarks_are_on_the_surface(measurements, half):
 
 @BODIES
 def test_rings_have_the_measured_girths(measurements):
-    body = LowerBody(**measurements)
+    body = Body(**measurements)
     whole = mannequin({**measurements, "half": "both"}).lines
     leg = mannequin({**measurements, "half": "right"}).lines
     for rings, names in ((whole, ("waist", "hip")), (leg, ("thigh", "knee", "calf", "ankle"))):
@@ -143,7 +144,7 @@ def test_rings_have_the_measured_girths(measurements):
 
 @BODIES
 def test_lines_down_start_and_end_at_the_rings_and_meet_in_the_landmarks(measurements):
-    body = LowerBody(**measurements)
+    body = Body(**measurements)
     surface = mannequin({**measurements, "half": "right"})
     lines, landmarks = surface.lines, surface.landmarks
     crotch = landmarks["crotch"]

@@ -68,3 +68,26 @@ def test_both_legs_meet_in_the_rises(tmp_path):
     )
     # Eight lines from waist to hip, four from there on round each leg, through four bands; the waist and two ankles.
     assert network.face_count == 8 + 2 * 4 * 4 + 3
+
+
+@pytest.mark.parametrize("body", ["uk 12", "larger"])
+def test_a_bodice_is_drawn_on_rings_lines_and_landmarks(tmp_path, body):
+    larger = {"bust": 1000.0, "under_bust": 850.0, "high_bust": 935.0, "waist": 840.0, "hip": 1080.0}
+    surface = mannequin({**(larger if body == "larger" else {}), "top": "neck", "half": "right"})
+    lines = ("neck", "shoulder", "side", "waist", "centre_front", "centre_back")
+    curves = {name: {"line": name} for name in lines}
+    for side in ("front", "back"):
+        curves[f"armhole_{side}"] = {"kind": "fair", "from": "tip", "to": "underarm", "points": [f"across_{side}"]}
+    curves["dart"] = {"kind": "geodesic", "from": "dart_waist", "to": "bust_point", "slit": True}
+    places = ("underarm", "bust_point", "across_front", "across_back")
+    nodes = {name: {"landmark": name} for name in places} | {
+        "tip": {"landmark": "shoulder_point"}, "dart_waist": {"landmark": "waist_front"},
+    }
+    patches = {"front": {"around": ["neck", "shoulder", "armhole_front", "side", "-waist", "dart", "-dart", "-waist",
+                                    "-centre_front"]},
+               "back": {"around": ["neck", "centre_back", "-waist", "-side", "-armhole_back", "-shoulder"]}}
+    network = network_of(
+        tmp_path, surface, nodes=nodes, curves=curves, patches=patches, rest="openings", join="crossings"
+    )
+    assert [patch.name for patch in network.patches] == ["front", "back"] and not network.failed
+    assert np.linalg.norm(network.nodes["bust_point"] - surface.landmarks["bust_point"]) < 1e-9
