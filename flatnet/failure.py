@@ -12,9 +12,12 @@ from collections.abc import Iterable
 from dataclasses import asdict, dataclass, replace
 from typing import Any
 
-#: Every failure code and what it means; docs/failures.md says more about each.
+#: Every failure code and what it means; docs/failures.md says more about each. Those of a network that is no network
+#: (`degenerate_curve`, `ambiguous_faces`) stand at the head of the messages about a project file.
 CODES: dict[str, str] = {
+    "degenerate_curve": "a curve has no length, a point twice or no finite number, or a boundary spans nothing",
     "open_boundary": "the curves around the patch do not close",
+    "ambiguous_faces": "the faces round a node, or of a network in parts, are not told by the curves alone",
     "not_disk": "the patch is not a disk: it has several loops, or its loop winds wrongly on the surface",
     "lemma_2": "the lower bounds of the boundary angles add up to more than a planar polygon has",
     "self_intersection": "the flat outline crosses itself",
@@ -29,10 +32,12 @@ CODES: dict[str, str] = {
     "inside_surface": "the fitted mesh cuts into the reference surface",
     "off_surface": "the boundary of a mirror image leaves the reference surface",
     "normal_gap": "the sheets on both sides of a seam meet at an angle",
+    "mesh_self_intersection": "the fitted mesh passes through itself in space",
     "opposed_normals": "the normals of two neighbouring edges are opposed",
     "crowded_allowance": "an allowance has no room: the piece itself or another allowance lies there",
     "deep_notch": "a notch is deeper than the allowance that it is cut into",
     "mark_off": "a mark lies off its patch",
+    "boundary_alone": "the patch is made of its boundary alone, as its method asks",
     "normals_contradict": "the normals ask for curvature, which no flat piece has",
     "normals_gave_way": "the mesh is made with a lighter normal_weight than was asked for",
     "outline_opened": "the flat outline crossed itself and was opened, away from the normals",

@@ -8,6 +8,7 @@ unit of length.
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import ClassVar
 
 
 def _check(value: float, name: str, low: float, high: float) -> None:
@@ -85,12 +86,21 @@ class MultiLoopParameters:
         _check(self.max_outer_loops, "max_outer_loops", 1, 100_000)
 
 
-FittingParameters = FairParameters | MultiLoopParameters
+@dataclass(frozen=True)
+class BoundaryAloneParameters:
+    """The last resort: a triangulation of the boundary with no vertex inside; there is nothing to choose."""
+
+    #: By how much a flat corner may fall short of its `min_angle`, rad.
+    tolerance: ClassVar[float] = 1e-9
+
+
+FittingParameters = FairParameters | MultiLoopParameters | BoundaryAloneParameters
 
 #: Name of a fitting method in the project file -> its parameters.
 METHODS: dict[str, type[FittingParameters]] = {
     "fair": FairParameters,
     "multi_loop": MultiLoopParameters,
+    "boundary_alone": BoundaryAloneParameters,
 }
 
 

@@ -5,16 +5,18 @@ from __future__ import annotations
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding, PatchFailure, spoken
+from flatnet.fitting.boundary_alone import boundary_alone, made_of_it_alone, stages_before
 from flatnet.fitting.contradiction import Asked, contradiction, gave_way
 from flatnet.fitting.levels import fit_in_levels
 from flatnet.fitting.multi_loop import multi_loop
 from flatnet.fitting.planar_boundary import fit_planar_boundary
-from flatnet.fitting.results import FittedPatch, FlattenableMesh
+from flatnet.fitting.results import FittedPatch, FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
 from flatnet.fitting.strained import strained
 from flatnet.fitting.stuck import FOLD, freed
 from flatnet.fitting.tessellation import tessellate
@@ -23,9 +25,12 @@ from flatnet.fitting.warp import warp
 from flatnet.geometry.crossings import polygon_crossings
 from flatnet.geometry.triangles import angle_sums, hinge_angles, hinges_of
 from flatnet.network.patch import BoundaryCurve, Grain, Patch
-from flatnet.parameters import FairParameters, FittingParameters
+from flatnet.parameters import BoundaryAloneParameters, FairParameters, FittingParameters
 
 Floats = NDArray[np.float64]
+
+#: What to do about a fold of a patch that is made of its boundary alone.
+OTHERWISE = "Method 'fair' bends smoothly where it finds a way; else cut the patch in two there."
 
 
 def fit_patch(
@@ -43,6 +48,8 @@ def fit_patch(
         From the stage that could not do its part; `not_converged`, `stuck_vertex`, `folded` or
         `self_intersection` where the result is no patch that can be cut.
     """
+    if isinstance(parameters, BoundaryAloneParameters):
+        return _fit_boundary_alone(patch, parameters, seconds)
     boundary = patch.boundary
     with _timed("planar_boundary", seconds):
         planar_boundary = fit_planar_boundary(boundary, patch.simple_outline)
@@ -58,7 +65,9 @@ def fit_patch(
             mesh = multi_loop(warped, boundary, planar, parameters)
         asked = Asked.by(planar_boundary, boundary)
         check_converged(mesh, boundary, parameters, asked)
-        _check_folds(mesh, asked)
+        fold = _fold(mesh, asked)
+        if fold is not None:
+            raise PatchFailure(fold)
     with _timed("unfold", seconds):
         flat = unfold(mesh)
         _check_outline(flat[: mesh.boundary_count], boundary)
@@ -66,11 +75,48 @@ def fit_patch(
         with _timed("strained", seconds):
             fair = parameters if isinstance(parameters, FairParameters) else FairParameters()
             mesh, flat = strained(mesh, flat, boundary, fair, patch.strain)
-    with _timed("unfold", seconds):
-        laid = _laid(flat, mesh, patch.grain)
     warnings = planar_boundary.warnings + contradiction(asked, mesh, boundary)
     if isinstance(parameters, FairParameters):
         warnings += gave_way(asked, mesh, parameters.normal_weight)
+    return _fitted(patch, planar_boundary, planar, warped, mesh, flat, warnings, seconds)
+
+
+def _fit_boundary_alone(
+    patch: Patch, parameters: BoundaryAloneParameters, seconds: dict[str, float]
+) -> FittedPatch:
+    """B -> M -> flat. What was chosen as the last resort may fold, which is said; it may not cover itself when flat."""
+    boundary = patch.boundary
+    with _timed("flattenable_mesh", seconds):
+        mesh = boundary_alone(boundary)
+    with _timed("unfold", seconds):
+        flat = unfold(mesh)
+        planar_boundary, planar, warped = stages_before(mesh, flat, boundary)
+        asked = Asked.by(planar_boundary, boundary)
+        check_converged(mesh, boundary, parameters, asked)
+        _check_outline(flat, boundary)
+    fold = _fold(mesh, asked)
+    warnings = (
+        *planar_boundary.warnings,
+        made_of_it_alone(mesh, boundary),
+        *contradiction(asked, mesh, boundary),
+        *([replace(fold, remedy=OTHERWISE)] if fold else []),
+    )
+    return _fitted(patch, planar_boundary, planar, warped, mesh, flat, warnings, seconds)
+
+
+def _fitted(
+    patch: Patch,
+    planar_boundary: PlanarBoundary,
+    planar: PlanarMesh,
+    warped: WarpedMesh,
+    mesh: FlattenableMesh,
+    flat: Floats,
+    warnings: tuple[Finding, ...],
+    seconds: dict[str, float],
+) -> FittedPatch:
+    """The finished patch, laid along its grain."""
+    with _timed("unfold", seconds):
+        laid = _laid(flat, mesh, patch.grain)
     if patch.grain is not None and laid is None:
         warnings += (_no_grain(patch.grain),)
     return FittedPatch(
@@ -174,14 +220,15 @@ def _way_out(asked: Asked, otherwise: str) -> str:
     return f"The method did not find the way: try {otherwise}, a lower normal_weight, or cut the patch in two there."
 
 
-def _check_folds(mesh: FlattenableMesh, asked: Asked) -> None:
+def _fold(mesh: FlattenableMesh, asked: Asked) -> Finding | None:
+    """The finding `folded` where a hinge is sharper than `FOLD`."""
     hinges = hinges_of(mesh.triangles)
     angles = np.abs(hinge_angles(mesh.vertices, hinges))
+    if angles.max(initial=0.0) <= FOLD:
+        return None
     worst = int(np.argmax(angles))
-    if angles[worst] <= FOLD:
-        return
     where = f"edge at {spoken(mesh.vertices[hinges[worst, 0]])} mm"
-    raise PatchFailure.of(
+    return Finding(
         "folded",
         "flattenable_mesh",
         f"the mesh folds by {np.degrees(angles[worst]):.0f} degrees at the {where}; "
@@ -208,5 +255,3 @@ def _check_outline(outline: Floats, boundary: BoundaryCurve) -> None:
         amount=float(len(crossings)),
         unit="crossings",
     )
-
-

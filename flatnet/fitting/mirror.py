@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -19,6 +19,7 @@ from flatnet.fitting.results import (
     WarpedMesh,
 )
 from flatnet.geometry.mirror import MirrorPlane
+from flatnet.network.mirror import images_of_boundary
 from flatnet.network.patch import Patch
 
 #: What the flat image of (x, y) is: the grain stays along +x.
@@ -30,7 +31,7 @@ def reflect_patch(
 ) -> FittedPatch | FailedPatch:
     """The result for a patch that is the mirror image of another one.
 
-    Boundary vertex i is the image of vertex -i, so that the boundary runs anticlockwise again; the vertices
+    The boundary runs the other way round, so that it is anticlockwise again (`images_of_boundary`); the vertices
     inside keep their numbers, and every triangle turns round.
 
     Parameters
@@ -45,53 +46,63 @@ def reflect_patch(
             warnings=tuple(_as_image(warning, patch) for warning in original.warnings),
             seconds={},
         )
-    n = original.mesh.boundary_count
     mesh, warped = original.mesh, original.warped
     rim = original.planar_boundary
+    turn = _Turn(images_of_boundary(original.patch.boundary, patch.boundary, plane))
     return FittedPatch(
         patch=patch,
         planar_boundary=PlanarBoundary(
-            positions=_turned(rim.positions, n) * FLIP,
-            inner_angles=_turned(rim.inner_angles, n),
-            predicted_angles=_turned(rim.predicted_angles, n),
-            lower_bounds=_turned(rim.lower_bounds, n),
+            positions=turn.values(rim.positions) * FLIP,
+            inner_angles=turn.values(rim.inner_angles),
+            predicted_angles=turn.values(rim.predicted_angles),
+            lower_bounds=turn.values(rim.lower_bounds),
         ),
         planar=PlanarMesh(
-            _turned(original.planar.positions, n) * FLIP, _triangles(original.planar.triangles, n), n
+            turn.values(original.planar.positions) * FLIP, turn.triangles(original.planar.triangles), turn.count
         ),
-        warped=WarpedMesh(_vertices(warped, patch, plane), _triangles(warped.triangles, n), n),
+        warped=WarpedMesh(turn.vertices(warped, patch, plane), turn.triangles(warped.triangles), turn.count),
         mesh=FlattenableMesh(
-            _vertices(mesh, patch, plane),
-            _triangles(mesh.triangles, n),
-            n,
+            turn.vertices(mesh, patch, plane),
+            turn.triangles(mesh.triangles),
+            turn.count,
             method="mirror",
             parameters={},
             status=f"the mirror image of '{patch.mirror_of}'",
         ),
-        flat=_turned(original.flat, n) * FLIP,
+        flat=turn.values(original.flat) * FLIP,
         has_grain=original.has_grain,
         warnings=tuple(_as_image(warning, patch) for warning in original.warnings),
         seconds={},
     )
 
 
-def _turned(values: Floats, n: int) -> Floats:
-    """Values per vertex, the first n run backwards from the same start."""
-    return np.concatenate([values[:1], values[1:n][::-1], values[n:]])
+@dataclass(frozen=True, eq=False)
+class _Turn:
+    """What belongs to boundary vertices, put in the image's order.
 
+    Attributes
+    ----------
+    images : (n,) int; vertex i of the original is `images[i]` of the image, and the other way round.
+    """
 
-def _triangles(triangles: Ints, n: int) -> Ints:
-    numbers = np.where(triangles < n, -triangles % n, triangles)
-    return np.ascontiguousarray(numbers[:, ::-1])
+    images: Ints
 
+    @property
+    def count(self) -> int:
+        return len(self.images)
 
-def _vertices(mesh: SurfaceMesh, patch: Patch, plane: MirrorPlane) -> Floats:
-    """The reflected vertices; those of the boundary are the network's, to the last bit."""
-    vertices = _turned(plane.reflect(mesh.vertices), mesh.boundary_count)
-    rim = vertices[: mesh.boundary_count]
-    assert np.allclose(rim, patch.boundary.vertices, atol=1e-9 * np.abs(rim).max()), "the boundaries are images"
-    rim[:] = patch.boundary.vertices
-    return vertices
+    def values(self, values: Floats) -> Floats:
+        return np.concatenate([values[self.images], values[self.count :]])
+
+    def triangles(self, triangles: Ints) -> Ints:
+        numbers = np.where(triangles < self.count, self.images[np.minimum(triangles, self.count - 1)], triangles)
+        return np.ascontiguousarray(numbers[:, ::-1])
+
+    def vertices(self, mesh: SurfaceMesh, patch: Patch, plane: MirrorPlane) -> Floats:
+        """The reflected vertices; those of the boundary are the network's, to the last bit."""
+        vertices = self.values(plane.reflect(mesh.vertices))
+        vertices[: self.count] = patch.boundary.vertices
+        return vertices
 
 
 def _as_image(finding: Finding, patch: Patch) -> Finding:

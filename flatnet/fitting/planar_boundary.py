@@ -46,13 +46,11 @@ def fit_planar_boundary(boundary: BoundaryCurve, simple: bool = False) -> Planar
         `lemma_2` where the lower bounds add up to more than (n - 2) pi; that takes a `min_angle`, since the
         angles in space alone never do. `self_intersection` where B^p crosses itself; the two sides of a slit may
         touch. `not_converged` where Eq. 2 was not solved.
-    ValueError
-        for fewer than three vertices, or an edge without length.
+        `degenerate_curve` for fewer than three vertices, or an edge whose length is no positive number.
     """
     vertices = boundary.vertices
     lengths = side_lengths(vertices)
-    if len(vertices) < 3 or not (lengths > 0.0).all():
-        raise ValueError(f"a boundary needs 3 vertices and edges longer than 0, got {len(vertices)}, {lengths.min()}")
+    _check_edges(lengths, boundary)
     predicted, opposed = predicted_angles(vertices, boundary.normals)
     predicted[list(boundary.slit_tips)] = 2.0 * np.pi
     lower = np.maximum(polygon_angles(vertices), boundary.min_angles)
@@ -74,7 +72,7 @@ def fit_planar_boundary(boundary: BoundaryCurve, simple: bool = False) -> Planar
             amount=solution.gap * float(lengths.sum()),
             unit="mm",
         )
-    warnings = [_opposed_normals(boundary, int(vertex)) for vertex in np.flatnonzero(opposed)]
+    warnings = [opposed_normals(boundary, int(vertex)) for vertex in np.flatnonzero(opposed)]
     if simple and polygon_crossings(solution.positions, vertices):
         bound, opened = _mildest_simple(solve, vertices)
         warnings.append(_opened(bound, solution, opened, predicted))
@@ -166,6 +164,21 @@ def _turned(x: Floats, y: Floats, angle: float) -> Floats:
     return np.stack([c * x + s * y, c * y - s * x], axis=1)
 
 
+def _check_edges(lengths: Floats, boundary: BoundaryCurve) -> None:
+    broken = np.flatnonzero(~(np.isfinite(lengths) & (lengths > 0.0)))
+    if len(lengths) >= 3 and not len(broken):
+        return
+    where = boundary.place(int(broken[0])) if len(broken) else ""
+    of_edge = f"the edge from {where} on is {lengths[broken[0]]:g} mm long" if len(broken) else f"it has {len(lengths)}"
+    raise PatchFailure.of(
+        "degenerate_curve",
+        STAGE,
+        f"a boundary needs at least 3 edges, each longer than 0; {of_edge}.",
+        "Take the point out that stands there twice, or is no place.",
+        where=where,
+    )
+
+
 def _check_lemma_2(lower: Floats, boundary: BoundaryCurve) -> None:
     n = len(lower)
     excess = float(lower.sum() - (n - 2) * np.pi)
@@ -202,7 +215,8 @@ def _check_crossings(positions: Floats, boundary: BoundaryCurve) -> None:
     )
 
 
-def _opposed_normals(boundary: BoundaryCurve, vertex: int) -> Finding:
+def opposed_normals(boundary: BoundaryCurve, vertex: int) -> Finding:
+    """The warning that the normals before and behind a vertex are opposed."""
     where = boundary.place(vertex)
     return Finding(
         code="opposed_normals",

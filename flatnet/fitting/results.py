@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.geometry.asked_curvature import asked_curvature
+from flatnet.geometry.intersections import self_intersections
 from flatnet.geometry.triangles import (
     angle_defects,
     angles_between,
@@ -121,6 +122,17 @@ class SurfaceMesh:
     @property
     def max_flattenability(self) -> float:
         return float(self.flattenability.max(initial=0.0))
+
+    @property
+    def mean_flattenability(self) -> float:
+        """Over the interior vertices; 0 where there are none."""
+        inside = self.flattenability[self.boundary_count :]
+        return float(inside.mean()) if len(inside) else 0.0
+
+    @cached_property
+    def self_intersections(self) -> Ints:
+        """Pairs of triangles that pass through each other, (k, 2)."""
+        return self_intersections(self.vertices, self.triangles)
 
     @cached_property
     def wrinkles(self) -> Wrinkles:

@@ -74,7 +74,7 @@ def find_wrinkles(vertices: Floats, triangles: Ints, boundary_count: int) -> Wri
     vertices : (m, 3) float, mm.
     triangles : (t, 3) int; a disk.
     boundary_count : the first so many vertices are its boundary. There hinges are missing: the bending is carried
-        on from inside.
+        on from inside; of a mesh with no vertex inside it is taken as it is.
     """
     edges = edges_of(triangles)
     areas = np.linalg.norm(area_vectors(vertices, triangles), axis=1)
@@ -89,7 +89,8 @@ def find_wrinkles(vertices: Floats, triangles: Ints, boundary_count: int) -> Wri
         return lambda values: solver.solve(weights * values)
 
     bend = bending_per_length(vertices, triangles)
-    clean = average(noise, np.where(np.arange(len(vertices)) < boundary_count, 0.0, masses))(bend)
+    heard = np.where(np.arange(len(vertices)) < boundary_count, 0.0, masses)
+    clean = average(noise, heard if heard.any() else masses)(bend)
     bend[:boundary_count] = clean[:boundary_count]
     nearby = average(reach, masses)
     turning = reach * (nearby(np.abs(clean)) - np.abs(nearby(clean)))

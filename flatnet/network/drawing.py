@@ -88,8 +88,8 @@ def _refuse_repeats(curve: CurveSpec, control: ControlPolygon) -> None:
     for i in np.flatnonzero(chords <= ROUND_OFF * chords.sum()):
         raise GeometryError(
             curve.mark,
-            f"curve '{curve.name}': point {i + 1} and the next, both at {spoken(control.positions[i])}, coincide; "
-            "leave one of them out",
+            f"degenerate_curve: curve '{curve.name}': point {i + 1} and the next, both at "
+            f"{spoken(control.positions[i])}, coincide; leave one of them out",
         )
 
 

@@ -1,4 +1,4 @@
-"""Mirror images in the network: nodes and stretches reflected, and what both sides share put into the plane."""
+"""Mirror images in the network: nodes, stretches and cuts reflected, and what both sides share put into the plane."""
 
 from __future__ import annotations
 
@@ -11,12 +11,15 @@ from numpy.typing import NDArray
 from flatnet.failure import spoken
 from flatnet.geometry.mirror import MirrorPlane
 from flatnet.geometry.triangles import cross, dot, unit
+from flatnet.network.division import Cut
 from flatnet.network.network import SampledStretch
+from flatnet.network.patch import BoundaryCurve
 from flatnet.project.curve_specs import CurveSpec
 from flatnet.project.model import Project
 from flatnet.project.problems import Problem
 
 Floats = NDArray[np.float64]
+Ints = NDArray[np.int64]
 
 #: What both sides share is moved into the plane from so many edge lengths away; what is farther off is a problem.
 SNAP = 0.05
@@ -187,3 +190,28 @@ def _image(
     return replace(
         stretch, name=name, curve=curve, start=start, end=end, vertices=vertices, left_normals=left, right_normals=right
     )
+
+
+def images_of_boundary(original: BoundaryCurve, image: BoundaryCurve, plane: MirrorPlane) -> Ints:
+    """Vertex i of the boundary -> that of the image's boundary, which runs the other way round, (n,); an involution.
+
+    Both begin in the same vertex where the project makes an image; parts of divided patches begin elsewhere.
+    """
+    n = len(original.vertices)
+    reflected = plane.reflect(original.vertices)
+    apart = np.linalg.norm(image.vertices - reflected[0], axis=1)
+    nearly = 1e-9 * np.abs(reflected).max()
+    for first in np.argsort(apart, kind="stable")[:2]:  # the two sides of a slit are at the same place
+        images = (first - np.arange(n)) % n
+        if np.allclose(image.vertices[images], reflected, rtol=0.0, atol=nearly):
+            return images
+    raise AssertionError("the boundaries are images")
+
+
+def image_of_cut(cut: Cut, original: BoundaryCurve, image: BoundaryCurve, plane: MirrorPlane) -> Cut:
+    """The cut on the other side; it runs from the image of its end, so that what was on its left is on its left."""
+    images = images_of_boundary(original, image, plane)
+    start, end = int(images[cut.end]), int(images[cut.start])
+    vertices = plane.reflect(cut.vertices)[::-1].copy()
+    vertices[0], vertices[-1] = image.vertices[[start, end]]
+    return Cut(start, end, vertices, plane.reflect_directions(cut.normals)[::-1].copy())

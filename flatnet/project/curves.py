@@ -18,6 +18,8 @@ from flatnet.project.paths import PATH_KEYS, read_path
 from flatnet.project.section import Section
 from flatnet.project.sewing import SEAM_KEYS, read_seam
 from flatnet.project.values import (
+    NotFiniteError,
+    WrongValueError,
     direction,
     flag,
     frozen,
@@ -164,7 +166,13 @@ def _drawn_places(drawn: ImportedCurve, section: Section, setting: CurveSetting,
 
 def _places(section: Section, setting: CurveSetting, projected: bool) -> list[_Place]:
     """from, points and to of a curve, as far as they are there."""
-    point = point_in(setting.mm_per_unit)
+    anywhere = point_in(setting.mm_per_unit)
+
+    def point(node: yaml.Node) -> Floats:
+        try:
+            return anywhere(node)
+        except NotFiniteError as error:
+            raise WrongValueError(error.node, f"degenerate_curve: {error.message}") from None
 
     def place(label: str, node: yaml.Node) -> _Place:
         if isinstance(node, yaml.SequenceNode) and label not in ("from", "to"):
@@ -260,7 +268,8 @@ def _check_places(
     different = len(np.unique(path[~unknown], axis=0)) + len(later)
     if different < needed:
         what = "a closed curve" if closed else "a curve"
-        section.problem(section.mark, f"{what} needs at least {needed} different places, got {different}")
+        message = f"degenerate_curve: {what} needs at least {needed} different places, got {different}"
+        section.problem(section.mark, message)
         return
     steps = np.linalg.norm(np.diff(path, axis=0), axis=1)
     for i in np.flatnonzero(steps <= _SAME_PLACE * edge_length) if len(places) > 1 else ():
@@ -288,15 +297,15 @@ def _note_repeat(section: Section, places: list[_Place], i: int) -> None:
     if a.yaml_node is b.yaml_node and not isinstance(a.yaml_node, yaml.SequenceNode):
         message = f"{a.label} and {b.label} of the drawing are at the same place for edges as long as edge_length"
         if not any(problem.message.startswith(section.title) for problem in section.problems):
-            section.problem(a.yaml_node, message)
+            section.problem(a.yaml_node, f"degenerate_curve: {message}")
         return
     if i + 1 == len(places):
         message = f"{a.label} repeats {b.label}: the last point is joined to the first; leave it out"
-        section.problem(a.yaml_node, message)
+        section.problem(a.yaml_node, f"degenerate_curve: {message}")
         return
     repeat, other = (a, b) if b.label == "to" and a.label != "from" else (b, a)
     message = f"{repeat.label} is at the same place as {other.label}; leave one of them out"
-    section.problem(repeat.yaml_node, message)
+    section.problem(repeat.yaml_node, f"degenerate_curve: {message}")
 
 
 @dataclass(frozen=True)

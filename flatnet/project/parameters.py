@@ -5,18 +5,11 @@ from __future__ import annotations
 from dataclasses import asdict, fields
 from typing import TypeVar, cast
 
-from flatnet.parameters import (
-    METHODS,
-    FairParameters,
-    FittingParameters,
-    Limits,
-    MultiLoopParameters,
-    NestingParameters,
-)
+from flatnet.parameters import METHODS, FittingParameters, Limits, NestingParameters
 from flatnet.project.section import Section
 from flatnet.project.values import Parser, integer, number, one_of
 
-Parameters = TypeVar("Parameters", bound=FairParameters | MultiLoopParameters | NestingParameters | Limits)
+Parameters = TypeVar("Parameters", bound=FittingParameters | NestingParameters | Limits)
 
 
 def read_fitting(parent: Section, defaults: FittingParameters) -> FittingParameters:

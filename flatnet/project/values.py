@@ -46,6 +46,10 @@ class WrongValueError(Exception):
         self.message = message
 
 
+class NotFiniteError(WrongValueError):
+    """Infinity, or what is no number, where a number is wanted."""
+
+
 def wrong(node: yaml.Node, expected: str) -> WrongValueError:
     """The error that says what was expected and what stands there."""
     return WrongValueError(node, f"expected {expected}, got {describe(node)}")
@@ -76,13 +80,17 @@ def scalar(expected: str) -> Parser[str]:
 def number(node: yaml.Node) -> float:
     """A finite number."""
     if is_plain(node) and _NOT_FINITE.fullmatch(node.value):
-        raise wrong(node, "a finite number")
+        raise _not_finite(node)
     if not is_number(node):
         raise wrong(node, "a number")
     value = float(node.value)
     if not math.isfinite(value):
-        raise wrong(node, "a finite number")
+        raise _not_finite(node)
     return value
+
+
+def _not_finite(node: yaml.Node) -> NotFiniteError:
+    return NotFiniteError(node, wrong(node, "a finite number").message)
 
 
 def integer(node: yaml.Node) -> int:

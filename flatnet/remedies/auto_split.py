@@ -2,18 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from dataclasses import replace
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from dataclasses import dataclass, replace
+from typing import TypeVar
 
 from flatnet.failure import Finding
+from flatnet.fitting.mirror import reflect_patch
 from flatnet.fitting.results import FittedPatch
 from flatnet.forms.surface import ReferenceSurface
+from flatnet.geometry.mirror import MirrorPlane
+from flatnet.network.division import Cut
+from flatnet.network.mirror import image_of_cut
 from flatnet.network.network import CurveNetwork
 from flatnet.network.patch import Patch
 from flatnet.project.model import Project
-from flatnet.project.patch_specs import PatchSpec
-from flatnet.remedies.diagnose import FitAll, Result, Trial, diagnose, needs_cut
+from flatnet.remedies.diagnose import FitAll, Result, Trial, diagnose, divide_by, needs_cut, patch_of
 from flatnet.remedies.seam_spec import seam_spec
+
+T = TypeVar("T")
 
 #: How often a patch and its parts are divided at most, one after the other: at most 2^3 pieces of one patch.
 MAX_DEPTH = 3
@@ -36,21 +42,58 @@ def auto_split(
     Returns
     -------
     project, network, results : a divided patch is replaced by its parts, each with the warning `divided`; the cuts
-        are seams of the network.
+        are seams of the network. What is the mirror image of a divided patch is divided by the images of its cuts.
     """
     curves = dict(project.curves)
-    specs: dict[str, PatchSpec] = {}
-    made: dict[str, Result] = {}
-    for name, result in results.items():
-        patch = next((patch for patch in network.patches if patch.name == name), None)
-        parts = {name: result}
-        if patch is not None and needs_cut(result):
-            network, parts = split(network, patch, result, surface, fit_all(name), MAX_DEPTH)
-        made |= parts
+    specs = {name: {name: spec} for name, spec in project.patches.items()}
+    made = {name: {name: result} for name, result in results.items()}
+    images = {patch.mirror_of: patch.name for patch in network.patches}
+    originals = [patch.name for patch in network.patches if patch.mirror_of is None]
+    for name in originals:
+        if not needs_cut(results[name]):
+            continue
+        patch, spec = patch_of(network, name), project.patches[name]
+        network, made[name], divisions = split(network, patch, results[name], surface, fit_all(name), MAX_DEPTH)
+        specs[name] = {part: replace(spec, name=part) for part in made[name]}
+        image = images.get(name)
+        if divisions and image is not None and project.mirror is not None:
+            network, parts = _divide_alike(network, patch_of(network, image), divisions, project.mirror)
+            made[image] = {part.name: reflect_patch(made[name][of], part, project.mirror) for of, part in parts}
+            spec = project.patches[image]
+            specs[image] = {part.name: replace(spec, name=part.name, mirror_of=of) for of, part in parts}
         cuts = [seam for seam in network.stretches.values() if seam.curve not in curves]
-        curves |= {cut.name: seam_spec(cut, project.patches[name]) for cut in cuts}
-        specs |= {part: replace(project.patches[name], name=part) for part in parts}
-    return replace(project, curves=curves, patches=specs), network, made
+        curves |= {cut.name: seam_spec(cut, spec) for cut in cuts}
+    project = replace(project, curves=curves, patches=_in_one(specs.values()))
+    return project, network, _in_one(made.values())
+
+
+def _in_one(parts: Iterable[Mapping[str, T]]) -> dict[str, T]:
+    return {name: part for of_patch in parts for name, part in of_patch.items()}
+
+
+@dataclass(frozen=True, eq=False)
+class Division:
+    """A patch, the cut that divided it, and its parts on the left and on the right."""
+
+    patch: Patch
+    cut: Cut
+    parts: tuple[Patch, Patch]
+
+
+def _divide_alike(
+    network: CurveNetwork, image: Patch, divisions: Sequence[Division], plane: MirrorPlane
+) -> tuple[CurveNetwork, list[tuple[str, Patch]]]:
+    """The network with a mirror image divided as its original was; the parts, each behind the name of its original."""
+    assert image.mirror_of is not None, "an image is the image of something"
+    image_of = {image.mirror_of: image.name}
+    for division in divisions:
+        patch = patch_of(network, image_of.pop(division.patch.name))
+        cut = image_of_cut(division.cut, division.patch.boundary, patch.boundary, plane)
+        network, (left, right) = divide_by(network, patch, cut)
+        image_of |= {division.parts[0].name: left.name, division.parts[1].name: right.name}
+    of = {name: original for original, name in image_of.items()}
+    patches = tuple(replace(p, mirror_of=of[p.name]) if p.name in of else p for p in network.patches)
+    return replace(network, patches=patches), [(of[p.name], p) for p in patches if p.name in of]
 
 
 def split(
@@ -60,18 +103,20 @@ def split(
     surface: ReferenceSurface | None,
     fit_all: FitAll,
     depth: int,
-) -> tuple[CurveNetwork, dict[str, Result]]:
-    """The parts of a patch that needs a cut, or the patch as it is where none was found."""
+) -> tuple[CurveNetwork, dict[str, Result], list[Division]]:
+    """The parts of a patch that needs a cut, or the patch as it is where none was found; the cuts in their order."""
     cure = diagnose(network, patch, result, surface, fit_all).cure if needs_cut(result) and depth else None
     if cure is None:
-        return network, {patch.name: result}
+        return network, {patch.name: result}, []
     network = cure.network
     made: dict[str, Result] = {}
+    divisions = [Division(patch, cure.cut, cure.parts)]
     for part, came_out in zip(cure.parts, cure.results, strict=True):
         noted = replace(came_out, warnings=(*came_out.warnings, _note(patch, result, cure)))
-        network, parts = split(network, part, noted, surface, fit_all, depth - 1)
+        network, parts, further = split(network, part, noted, surface, fit_all, depth - 1)
         made |= parts
-    return network, made
+        divisions += further
+    return network, made, divisions
 
 
 def _note(patch: Patch, result: Result, cure: Trial) -> Finding:

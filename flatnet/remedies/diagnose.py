@@ -105,24 +105,32 @@ def diagnose(
     result : what came of the patch as it is.
     fit_all : fits parts of the patch as the patch itself was fitted.
     """
-    seam = free_name(f"{patch.name}_cut", network.stretches)
-    nodes = free_name(f"{seam}_a", network.nodes), free_name(f"{seam}_b", network.nodes)
-    names = {p.name for p in network.patches}
-    parts = free_name(f"{patch.name}_1", names), free_name(f"{patch.name}_2", names)
     cuts = [candidate.cut for candidate in candidate_cuts(patch, surface, trials)]
-    divided = [divide(network, patch.name, cut, seam, parts, nodes) for cut in cuts]
-    pairs = [_named(network, parts) for network in divided]
-    results = fit_all([part for pair in pairs for part in pair])
+    divided = [divide_by(network, patch, cut) for cut in cuts]
+    results = fit_all([part for _, pair in divided for part in pair])
     tried = [
-        Trial(cut, network, seam, pair, made)
-        for cut, network, pair, made in zip(cuts, divided, pairs, zip(results[::2], results[1::2]), strict=True)
+        Trial(cut, network, pair[0].boundary.stretches[-1].seam, pair, made)
+        for cut, (network, pair), made in zip(cuts, divided, zip(results[::2], results[1::2]), strict=True)
     ]
     return Diagnosis(network, patch, result, tuple(sorted(tried, key=lambda trial: trial.rank)))
 
 
-def _named(network: CurveNetwork, names: tuple[str, str]) -> tuple[Patch, Patch]:
-    patches = {patch.name: patch for patch in network.patches}
-    return patches[names[0]], patches[names[1]]
+def divide_by(network: CurveNetwork, patch: Patch, cut: Cut) -> tuple[CurveNetwork, tuple[Patch, Patch]]:
+    """The network in which a patch is divided, and its parts; seam, nodes and parts have the first names that are free.
+
+    The cut is the last stretch round both parts.
+    """
+    seam = free_name(f"{patch.name}_cut", network.stretches)
+    nodes = free_name(f"{seam}_a", network.nodes), free_name(f"{seam}_b", network.nodes)
+    names = {p.name for p in network.patches}
+    parts = free_name(f"{patch.name}_1", names), free_name(f"{patch.name}_2", names)
+    network = divide(network, patch.name, cut, seam, parts, nodes)
+    return network, (patch_of(network, parts[0]), patch_of(network, parts[1]))
+
+
+def patch_of(network: CurveNetwork, name: str) -> Patch:
+    """The patch of this name."""
+    return next(patch for patch in network.patches if patch.name == name)
 
 
 def free_name(name: str, taken: Container[str]) -> str:

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.asked_curvature import least_normal_deviation
 from flatnet.geometry.boundary_triangulation import triangulate_boundary
-from flatnet.geometry.intersections import self_intersections
 from flatnet.geometry.triangles import (
     angles_between,
     bending,
@@ -94,7 +93,7 @@ def metrics(fitted: FittedPatch, heights: Floats | None) -> dict[str, object]:
         "vertices": len(mesh.vertices),
         "triangles": len(mesh.triangles),
         "max_flattenability_rad": mesh.max_flattenability,
-        "mean_flattenability_rad": float(mesh.flattenability[mesh.boundary_count :].mean()),
+        "mean_flattenability_rad": mesh.mean_flattenability,
         "initial_max_flattenability_rad": fitted.warped.max_flattenability,
         "max_edge_strain": fitted.max_edge_strain,
         "strain_limit": fitted.patch.strain,
@@ -116,6 +115,6 @@ def metrics(fitted: FittedPatch, heights: Floats | None) -> dict[str, object]:
         "boundary_alone": boundary_alone(fitted.patch.boundary),
         "min_triangle_angle_deg": float(np.degrees(corner_angles(fitted.flat, mesh.triangles).min())),
         "flipped_triangles": int((areas <= 0.0).sum()),
-        "self_intersections_3d": len(self_intersections(mesh.vertices, mesh.triangles)),
+        "self_intersections_3d": len(mesh.self_intersections),
         "area_mm2": float(areas.sum()),
     }

@@ -32,6 +32,8 @@ def patch_warnings(fitted: FittedPatch, heights: Floats | None, clearance: float
     warnings = []
     if fitted.mesh.wrinkles.wrinkled and not fitted.patch.wrinkles_expected:
         warnings.append(wrinkled(fitted))
+    if len(fitted.mesh.self_intersections):
+        warnings.append(_passes_through_itself(fitted))
     if heights is not None and heights.min() < -clearance:
         warnings.append(_inside_surface(fitted, heights, clearance))
     if heights is not None and fitted.patch.mirror_of is not None:
@@ -59,6 +61,21 @@ def wrinkled(fitted: FittedPatch) -> Finding:
             f"{np.degrees(WRINKLED):.0f} on)."
         ),
         remedy="Cut the patch there, lower normal_weight, or say `wrinkles: expected` if it is meant to.",
+    )
+
+
+def _passes_through_itself(fitted: FittedPatch) -> Finding:
+    mesh = fitted.mesh
+    where = _place(fitted, int(mesh.triangles[mesh.self_intersections[0, 0], 0]))
+    count = len(mesh.self_intersections)
+    return Finding(
+        code="mesh_self_intersection",
+        stage="report",
+        where=where,
+        amount=float(count),
+        unit="pairs of triangles",
+        message=f"it passes through itself in space: {counted(count, 'pair')} of triangles, the first {where}.",
+        remedy="Cut the patch there, or move the curves on both sides of the place apart.",
     )
 
 

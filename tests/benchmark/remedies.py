@@ -40,7 +40,7 @@ def cured(seed: int) -> dict[str, Any]:
     network = network_of(*crossing_boundary(seed))
     [patch] = network.patches
     [whole] = fit_all([patch])
-    divided, parts = split(network, patch, whole, None, fit_all, MAX_DEPTH)
+    divided, parts, _ = split(network, patch, whole, None, fit_all, MAX_DEPTH)
     cuts = [stretch.length for stretch in divided.stretches.values() if "_cut" in stretch.curve]
     return {
         "seed": seed,

@@ -270,7 +270,7 @@ def test_a_slit_may_touch_itself_and_its_tip_turns_by_a_full_circle(bend):
 
 
 def test_malformed_boundaries_are_refused():
-    with pytest.raises(ValueError, match="longer than 0"):
+    with pytest.raises(PatchFailure, match=r"degenerate_curve: .* longer than 0; the edge from 'a' at 0\.0 mm"):
         fit_planar_boundary(
             BoundaryCurve(np.zeros((4, 3)), np.tile([0, 0, 1.0], (4, 1)), (Stretch("a", 0, 4, False),), np.zeros(4))
         )

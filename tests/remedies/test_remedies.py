@@ -6,7 +6,8 @@ import numpy as np
 import pytest
 import yaml
 from crossing import as_project, crossing_boundary, network_of, spiral
-from written import read_report
+from scipy.spatial import cKDTree
+from written import read_obj, read_report
 
 from flatnet.cli import main
 from flatnet.diagnosis import diagnose_project
@@ -101,8 +102,8 @@ def test_a_long_spiral_is_divided_again_until_every_part_is_made():
     network = network_of(*spiral(2.7))
     [patch] = network.patches
     [failed] = fit_all([patch])
-    divided, parts = split(network, patch, failed, None, fit_all, 3)
-    assert len(parts) == 3 and not any(isinstance(part, FailedPatch) for part in parts.values())
+    divided, parts, cuts = split(network, patch, failed, None, fit_all, 3)
+    assert len(parts) == 3 == len(cuts) + 1 and not any(isinstance(part, FailedPatch) for part in parts.values())
     assert [p.name for p in divided.patches] == list(parts)
     assert all(any(w.code == "divided" for w in part.warnings) for part in parts.values())
 
@@ -124,16 +125,29 @@ def test_what_is_pasted_makes_the_patches_that_were_tried(tmp_path, capsys):
 
 
 def test_auto_split_delivers_the_parts_with_their_seam(tmp_path):
+    """The mirror image, which stands first in the file, is divided by the image of the cut."""
+    content = as_project(*spiral(1.5))
+    content["mirror"] = {"point": [-150, 0, 0], "normal": [1, 0, 0]}
+    content["curves"]["rim_2"] = {"mirror_of": "rim"}
+    content["patches"] = {"image": {"mirror_of": "strip"}} | content["patches"]
+    content["rest"] = "openings"
     file = tmp_path / "project.yaml"
-    file.write_text(yaml.safe_dump(as_project(*spiral(1.5))))
-    assert main(["build", str(file), "-o", str(tmp_path / "whole")]) == 1
+    file.write_text(yaml.safe_dump(content))
     assert main(["build", str(file), "-o", str(tmp_path / "out"), "--auto-split"]) == 0
     report = read_report(tmp_path / "out")
-    assert [patch["name"] for patch in report["patches"]] == ["strip_1", "strip_2"]
-    seam = next(seam for seam in report["seams"] if seam["curve"] == "strip_cut")
-    assert sorted(seam["patches"]) == ["strip_1", "strip_2"]
-    assert seam["difference_mm"] < 1e-6
-    assert {warning["code"] for patch in report["patches"] for warning in patch["warnings"]} >= {"divided"}
+    assert [patch["name"] for patch in report["patches"]] == ["image_1", "image_2", "strip_1", "strip_2"]
+    for cut, parts in (("strip_cut", ["strip_1", "strip_2"]), ("image_cut", ["image_1", "image_2"])):
+        seam = next(seam for seam in report["seams"] if seam["curve"] == cut)
+        assert sorted(seam["patches"]) == parts
+        assert seam["difference_mm"] < 1e-6
+    assert all("divided" in {w["code"] for w in patch["warnings"]} for patch in report["patches"])
+    for part in ("1", "2"):
+        space, flat, triangles = read_obj(tmp_path / "out/patches" / f"strip_{part}.obj")
+        space_2, flat_2, triangles_2 = read_obj(tmp_path / "out/patches" / f"image_{part}.obj")
+        apart, same = cKDTree(space_2).query(space * [-1, 1, 1] - [300, 0, 0])
+        assert apart.max() < 1e-9 and sorted(same) == list(range(len(space)))
+        np.testing.assert_allclose(flat_2[same], flat * [1, -1], atol=1e-9)
+        assert {frozenset(same[corners]) for corners in triangles} == set(map(frozenset, triangles_2))
 
 
 @pytest.mark.parametrize("seed", range(3))
