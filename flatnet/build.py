@@ -30,6 +30,7 @@ from flatnet.nesting.stored import Stored, read_stored, write_stored
 from flatnet.network import CurveNetwork
 from flatnet.network.assembly import make_network
 from flatnet.patch_fitter import Fit, PatchFitter
+from flatnet.pattern.on_fold import half_on_fold
 from flatnet.pattern.piece import Piece, make_piece
 from flatnet.pattern.seams import Seam, plan_seams
 from flatnet.project import Project, load_project
@@ -245,9 +246,10 @@ def _layout_files(layouts: Sequence[Layout]) -> list[str]:
 
 
 def _titles(project: Project) -> list[str]:
-    """Every patch, then every piece of one that is cut from a further material; a blank is in no name."""
+    """Every patch, every piece of one that is cut from a further material, their halves; a blank is in no name."""
     further = [f"{spec.name} {also.material}" for spec in project.patches.values() for also in spec.also]
-    return [*project.patches, *further]
+    whole = [*project.patches, *further]
+    return whole + [f"{title} on fold" for title in whole if project.patches[title.split(" ")[0]].fold]
 
 
 def _title(project: Project, piece: Piece) -> str:
@@ -288,6 +290,9 @@ def _write(
     for name, piece in named.items():
         files.append(f"pieces/{name}.svg")
         write_piece(folder / files[-1], piece)
+        if piece.fold is not None:
+            files.append(f"pieces/{names[f'{_title(project, piece)} on fold']}.svg")
+            write_piece(folder / files[-1], half_on_fold(piece, piece.fold))
     for file, layout in layouts.items():
         wanted = [spec.name for spec in project.patches.values() if layout.material.name in spec.materials]
         sheets = [other for other in layouts.values() if other.material.name == layout.material.name]

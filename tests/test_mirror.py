@@ -131,12 +131,19 @@ def test_the_image_is_anticlockwise_and_its_normals_point_outside(made):
     )
 
 
-def test_cut_lines_are_mirror_images(made):
-    project, network, left, right = made
+def test_cut_lines_and_notches_are_mirror_images(made, tmp_path):
+    _, network, left, right = made
+    content = tent()
+    content["curves"]["side"] |= {"allowance": {"left": 12, "right": 3}, "notches": {"at": [20, "70%"]}}
+    project = loaded(tmp_path, content)
     seams = plan_seams(project, network)
-    one, other = (make_piece(fitted, project.materials["cloth"], seams).cut_line for fitted in (left, right))
-    distance = shapely.hausdorff_distance(shapely.LinearRing(one), shapely.LinearRing(other * Y))
-    assert distance <= 1e-9
+    assert (seams["side_left"].spec.left, seams["side_left"].spec.right) == (3, 12)  # left is on the other side
+    one, other = (make_piece(fitted, project.materials["cloth"], seams) for fitted in (left, right))
+    lines = (shapely.LinearRing(one.cut_line), shapely.LinearRing(other.cut_line * Y))
+    assert shapely.hausdorff_distance(*lines) <= 1e-9
+    assert len(one.notches) == len(other.notches) == 2
+    feet = [sorted(notch.foot.round(6).tolist() for notch in piece.notches) for piece in (one, other)]
+    assert feet[0] == sorted([x, -y] for x, y in feet[1])
 
 
 def test_written_files_are_exact_and_the_seam_in_the_plane_is_one(tmp_path):

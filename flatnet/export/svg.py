@@ -31,6 +31,7 @@ STROKES = {
     "cut": "#ff0000",
     "sew": "#0000ff",
     "notch": "#ff00ff",
+    "nick": "#ff0000",
     "grain": "#00aa00",
     "internal": "#8800cc",
     "sheet": "#888888",
@@ -82,7 +83,7 @@ def _write_page(
     column = TABLE_HEIGHT * max(map(text_width, rows)) + MARGIN
     title_width = letter * max(map(text_width, lines))
     width = _rounded(max(size[0], TEST_SQUARE + title_width + 3.0 * MARGIN, column + MARGIN))
-    columns = int((width - MARGIN) / column)
+    columns = max(1, int((width - MARGIN) / column))  # the width is rounded
     top = size[1] + MARGIN
     table_top = top + max(TEST_SQUARE, LINE_PITCH * letter * len(lines)) + MARGIN
     deep = -(-len(rows) // columns)
@@ -114,10 +115,7 @@ def _write_page(
 def seam_table(placements: Sequence[Placement]) -> list[str]:
     """A line for every seam of the pieces: what its number on them stands for, and what it joins."""
     seams = {run.seam.name: run.seam for placement in placements for run in placement.piece.seams}
-    return [
-        f"{seam.number} {seam.name} · {seam.length:.1f} mm · {' + '.join(seam.patches)}"
-        for seam in sorted(seams.values(), key=lambda seam: seam.number)
-    ]
+    return [f"{seam.number} {seam.description}" for seam in sorted(seams.values(), key=lambda seam: seam.number)]
 
 
 def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) -> Group:
@@ -135,6 +133,8 @@ def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) 
     group.add(_path(drawing, "sew", piece.sew_line))
     if piece.notches:
         group.add(_lines(drawing, "notch", [line for notch in piece.notches for line in notch.lines]))
+    if piece.nicks:
+        group.add(_lines(drawing, "nick", [nick.points for nick in piece.nicks]))
     for mark in piece.marks:
         path = _lines(drawing, "internal", mark.lines)
         path.update({"data-name": mark.name, "data-kind": mark.kind})

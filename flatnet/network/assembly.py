@@ -23,6 +23,7 @@ from flatnet.network.normals import stretch_normals, surface_normals
 from flatnet.network.patch import Patch
 from flatnet.network.places import cut_at_fractions, place_nodes
 from flatnet.network.tangents import normals_from_curves
+from flatnet.network.thickness import to_middle
 from flatnet.project.curve_specs import CurveSpec, NodeSpec
 from flatnet.project.model import Project
 from flatnet.project.nodes import drawing_order
@@ -51,6 +52,8 @@ def make_network(project: Project, surface: ReferenceSurface | None) -> CurveNet
 
     places, stretches, traced = trace_network(project, surface)
     matched, problems = match_faces(project, stretches, traced)
+    places, stretches, found = to_middle(project, matched.patches, places, stretches)
+    problems += found
 
     patches: list[Patch] = []
     failed: list[Finding] = []

@@ -72,6 +72,7 @@ def make_patch(
         spec.wrinkles_expected,
         simple_outline=spec.simple_outline,
         mirror_of=spec.mirror_of,
+        fold=spec.fold,
     ), []
 
 

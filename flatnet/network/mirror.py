@@ -107,15 +107,7 @@ def _ending_in(stretch: SampledStretch, places: Mapping[str, Floats]) -> Sampled
     vertices = stretch.vertices.copy()
     for index, place in ends:
         vertices[index] = place
-    edges = unit(np.diff(vertices, axis=0))
-
-    def turned(normals: Floats) -> Floats:
-        across = normals - dot(normals, edges)[:, None] * edges
-        return across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
-
-    left = turned(stretch.left_normals)
-    right = turned(stretch.right_normals) if stretch.crease else left
-    return replace(stretch, vertices=vertices, left_normals=left, right_normals=right)
+    return stretch.moved(vertices)
 
 
 def _shared_curves(project: Project) -> dict[str, CurveSpec]:

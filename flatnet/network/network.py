@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.geometry.polygon import polyline_length
+from flatnet.geometry.triangles import dot, unit
 from flatnet.network.patch import Patch
 from flatnet.project.problems import Mark, Problem
 
@@ -61,6 +62,18 @@ class SampledStretch:
     @property
     def crease(self) -> bool:
         return self.left_normals is not self.right_normals
+
+    def moved(self, vertices: Floats) -> SampledStretch:
+        """The same stretch with its vertices elsewhere; normals stay orthogonal to their edges."""
+        edges = unit(np.diff(vertices, axis=0))
+
+        def turned(normals: Floats) -> Floats:
+            across = normals - dot(normals, edges)[:, None] * edges
+            return across / np.maximum(np.linalg.norm(across, axis=1, keepdims=True), 1e-300)
+
+        left = turned(self.left_normals)
+        right = turned(self.right_normals) if self.crease else left
+        return replace(self, vertices=vertices, left_normals=left, right_normals=right)
 
 
 @dataclass(frozen=True, eq=False)

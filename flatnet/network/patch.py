@@ -105,6 +105,7 @@ class Patch:
     strain : what its material gives: the largest strain of an edge inside the flat piece; 0: it is exact.
     simple_outline : a flat outline B^p that crosses itself is opened until it does not.
     mirror_of : the patch that it is the mirror image of.
+    fold : the curve of its boundary along which it is one half of a piece.
     """
 
     name: str
@@ -119,3 +120,4 @@ class Patch:
     strain: float = 0.0
     simple_outline: bool = False
     mirror_of: str | None = None
+    fold: str | None = None

@@ -44,6 +44,10 @@ class SeamNotch:
     arclength: float
     marks: int = 1
 
+    def met_at(self, along: Floats) -> float:
+        """Its arclength on a sew line whose vertices lie at the arclengths `along`, (k,) mm."""
+        return float(np.interp(self.edge + self.fraction, np.arange(len(along)), along))
+
 
 @dataclass(frozen=True, eq=False)
 class Notch:

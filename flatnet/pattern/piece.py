@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -15,15 +15,16 @@ from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import side_lengths
 from flatnet.network.patch import Patch, Stretch
-from flatnet.pattern.allowance import TOUCH, Corner, CutLine, cut_line
-from flatnet.pattern.darts import dart_marks, dart_notches, find_darts, fold_darts, with_straight_legs
+from flatnet.pattern.allowance import TOUCH, cut_line
+from flatnet.pattern.darts import dart_marks, dart_notches, fold_darts, with_straight_legs
+from flatnet.pattern.edging import Edging, Fold, edging, is_on_fold, unfolded
 from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
 from flatnet.pattern.marks import Mark, make_marks
+from flatnet.pattern.nicks import Nick, nicks_along
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
 from flatnet.project.model import Material
 from flatnet.project.patch_specs import AlsoSpec, MarkSpec
-from flatnet.project.seam_specs import Ends
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -71,6 +72,9 @@ class Piece:
     cut, mirrored : how many plain and how many mirrored copies are cut.
     material : name of the material.
     project : what it belongs to, with its size.
+    nicks : cuts into allowances that are folded over.
+    fold : the line along which it is its own mirror image, where the project says that it is to be cut on the fold.
+    on_fold : it is the half that is cut on the fold.
     warnings : what whoever cuts it has to know.
     """
 
@@ -89,6 +93,9 @@ class Piece:
     mirrored: int
     material: str
     project: str = ""
+    nicks: tuple[Nick, ...] = ()
+    fold: Fold | None = None
+    on_fold: bool = False
     warnings: tuple[Finding, ...] = ()
 
     def __post_init__(self) -> None:
@@ -103,7 +110,7 @@ class Piece:
     @property
     def description(self) -> tuple[str, ...]:
         """What has to be said of it: name, copies, material, project."""
-        return (self.name, *_words(self.cut, self.mirrored, self.material, self.project))
+        return (self.name, *what_to_cut(self.cut, self.mirrored, self.material, self.project, self.on_fold))
 
     @property
     def area(self) -> float:
@@ -156,34 +163,35 @@ def make_piece(
     PatchFailure
         `self_intersection` where the sew line overlaps itself in the plane: such a piece can't be cut.
     """
-    patch, sew_line = fitted.patch, fitted.outline
-    try:
-        inside = region_of(sew_line)
-    except ValueError as error:
-        raise PatchFailure.of(
-            "self_intersection", "pattern", f"the flat piece can't be cut from one sheet: {error}.",
-            "Divide the patch by another curve through the place where it overlaps.", patch=patch.name,
-        ) from error
-
+    patch = fitted.patch
     copies = (patch.cut, patch.mirrored) if also is None else (also.cut, also.mirrored)
-    widths, corners = _allowances(patch, material, seams)
+    edged, fold = edging(patch, fitted.outline, material, seams), None
+    if patch.fold is not None and is_on_fold(patch, seams):
+        edged, fold = unfolded(edged, patch, seams)
+    elif patch.fold is not None:  # a part beside the one with the fold: there are two of it
+        copies = (sum(copies), sum(copies))
+    sew_line, widths, darts = edged.sew_line, edged.widths, list(edged.darts)
+    inside = _inside(patch, sew_line)
     if also is not None and also.allowance is not None:
-        widths = np.full_like(widths, also.allowance)
-    darts = find_darts(patch, sew_line, seams)
+        widths[:] = also.allowance
     for dart in darts:
         widths[dart.edges] = 0.0
     outline = with_straight_legs(sew_line, darts) if darts else sew_line
-    cut = fold_darts(cut_line(outline, region_of(outline), widths, corners), darts)
-    notches = _notches(patch, sew_line, widths, cut, seams)
+    cut = fold_darts(cut_line(outline, region_of(outline), widths, edged.corners), darts)
+    rings = shapely.MultiLineString([[*ring, ring[0]] for ring in (cut.outline, *cut.holes)])
+    notches = _notches(edged, rings, seams)
     notches += tuple(notch for dart in darts for notch in dart_notches(dart, cut))
     drawn, far = make_marks(fitted, marks)
+    if fold is not None:
+        drawn += [image for mark in drawn if (image := _across(mark, fold))]
+        drawn.append(Mark(patch.fold or "", "fold", fold.line))
     drawn += [mark for dart in darts for mark in dart_marks(dart)]
     lines = [line for notch in notches for line in notch.lines] + [line for mark in drawn for line in mark.lines]
     free = room_for_text(inside, lines)
-    label = name_label(patch.name, _words(*copies, material.name, project), free)
+    label = name_label(patch.name, what_to_cut(*copies, material.name, project), free)
     free = free.difference(label.box)
     runs = []
-    for stretch in patch.boundary.stretches:
+    for stretch in edged.stretches:
         along = np.arange(stretch.first, stretch.first + stretch.count + 1) % len(sew_line)
         seam = seams[stretch.seam]
         words = seam_label(seam.number, seam.name, sew_line[along], free)
@@ -206,12 +214,31 @@ def make_piece(
         mirrored=copies[1],
         material=material.name,
         project=project,
+        nicks=_nicks(edged, rings, seams, notches),
+        fold=fold,
         warnings=(
-            *(_crowded(patch, widths, first, count) for first, count in cut.crowded),
+            *(_crowded(patch, edged, first, count) for first, count in cut.crowded),
             *_deep_notches(patch, notches),
             *far,
         ),
     )
+
+
+def _inside(patch: Patch, sew_line: Floats) -> Polygon:
+    """What is inside the sew line."""
+    try:
+        return region_of(sew_line)
+    except ValueError as error:
+        raise PatchFailure.of(
+            "self_intersection", "pattern", f"the flat piece can't be cut from one sheet: {error}.",
+            "Divide the patch by another curve through the place where it overlaps.", patch=patch.name,
+        ) from error
+
+
+def _across(mark: Mark, fold: Fold) -> Mark | None:
+    """A mark's mirror image; None of one that is its own."""
+    points = fold.reflect(mark.points)
+    return None if np.abs(points - mark.points).max() < TOUCH else replace(mark, points=points)
 
 
 def _shows_grain(fitted: FittedPatch, material: Material) -> bool:
@@ -220,36 +247,23 @@ def _shows_grain(fitted: FittedPatch, material: Material) -> bool:
     return fitted.has_grain and grain is not None and (grain.said or material.rotations is not None)
 
 
-def _allowances(patch: Patch, material: Material, seams: Mapping[str, Seam]) -> tuple[Floats, dict[int, Corner]]:
-    """The allowance of every edge, (n,) mm, and how allowances meet at the vertices where two curves do.
-
-    What is said more specially wins: a side of a curve, the patch, the material. Where both curves of a corner say how
-    their allowances end, the wider one has its way: it is the one that is folded last.
-    """
-    stretches = patch.boundary.stretches
-    usual = material.allowance if patch.allowance is None else patch.allowance
-    widths = np.full(len(patch.boundary.vertices), usual)
-    for stretch in stretches:
-        spec = seams[stretch.seam].spec
-        said = spec.right if stretch.reversed else spec.left
-        widths[stretch.first : stretch.first + stretch.count] = usual if said is None else said
-    corners = {}
-    for before, after in zip((stretches[-1], *stretches[:-1]), stretches, strict=True):
-        first, second = seams[before.seam], seams[after.seam]
-        if first.curve == second.curve:
-            continue
-        a, b = widths[after.first - 1], widths[after.first]
-        second_wins = second.spec.ends != Ends() and (b > a or first.spec.ends == Ends())
-        corners[after.first] = Corner(second.spec.ends, "after") if second_wins else Corner(first.spec.ends)
-    return widths, corners
+def _nicks(
+    edged: Edging, rings: shapely.Geometry, seams: Mapping[str, Seam], notches: Sequence[Notch]
+) -> tuple[Nick, ...]:
+    """The nicks of every seam whose allowance has some."""
+    found: list[Nick] = []
+    for stretch in edged.stretches:
+        spec = seams[stretch.seam].spec.nicks
+        if spec is not None:
+            run = edged.sew_line[np.arange(stretch.first, stretch.first + stretch.count + 1) % len(edged.sew_line)]
+            width = float(edged.widths[stretch.first])
+            found += nicks_along(stretch.seam, spec, run, width, rings, [notch.foot for notch in notches])
+    return tuple(found)
 
 
-def _notches(
-    patch: Patch, sew_line: Floats, widths: Floats, cut: CutLine, seams: Mapping[str, Seam]
-) -> tuple[Notch, ...]:
+def _notches(edged: Edging, rings: shapely.Geometry, seams: Mapping[str, Seam]) -> tuple[Notch, ...]:
     """The notches of every seam, and those at nodes where the outline runs straight on along one curve."""
-    rings = shapely.MultiLineString([[*ring, ring[0]] for ring in (cut.outline, *cut.holes)])
-    stretches = patch.boundary.stretches
+    sew_line, stretches = edged.sew_line, edged.stretches
     found = []
     for before, stretch in zip((stretches[-1], *stretches[:-1]), stretches, strict=True):
         seam = seams[stretch.seam]
@@ -261,7 +275,7 @@ def _notches(
             notches.append((stretch.first, 0.0, 1))
         for edge, fraction, marks in notches:
             ends = sew_line[[edge, (edge + 1) % len(sew_line)]]
-            found.append(notch_on_piece(seam.name, spec, ends, fraction, marks, float(widths[edge]), rings))
+            found.append(notch_on_piece(seam.name, spec, ends, fraction, marks, float(edged.widths[edge]), rings))
     return tuple(found)
 
 
@@ -289,11 +303,10 @@ def _deep_notches(patch: Patch, notches: Sequence[Notch]) -> Iterator[Finding]:
             )
 
 
-def _crowded(patch: Patch, widths: Floats, first: int, count: int) -> Finding:
-    boundary = patch.boundary
-    edges = np.arange(first, first + count) % len(widths)
-    length, width = float(side_lengths(boundary.vertices)[edges].sum()), float(widths[edges].max())
-    start, end = boundary.place(first), boundary.place(first + count)
+def _crowded(patch: Patch, edged: Edging, first: int, count: int) -> Finding:
+    edges = np.arange(first, first + count + 1) % len(edged.widths)
+    length, width = float(side_lengths(edged.sew_line)[edges[:-1]].sum()), float(edged.widths[edges[:-1]].max())
+    start, end = (patch.boundary.place(int(edged.sources[vertex])) for vertex in edges[[0, -1]])
     return Finding(
         code="crowded_allowance",
         stage="pattern",
@@ -307,6 +320,9 @@ def _crowded(patch: Patch, widths: Floats, first: int, count: int) -> Finding:
     )
 
 
-def _words(cut: int, mirrored: int, material: str, project: str) -> tuple[str, ...]:
+def what_to_cut(cut: int, mirrored: int, material: str, project: str, on_fold: bool = False) -> tuple[str, ...]:
+    """What is printed below a piece's name; on the fold, a mirrored copy is one like the others."""
     copies = f"cut {cut}" + (f" + {mirrored} mirrored" if mirrored else "")
+    if on_fold:
+        copies = f"cut {cut + mirrored} on the fold"
     return (copies, material, *([project] if project else []))

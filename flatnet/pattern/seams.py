@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
+from flatnet.pattern.sewn import Join, join
 from flatnet.project.model import Project
 from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.seam_specs import SeamSpec
@@ -24,6 +25,7 @@ class Seam:
     patches : the one or two patches along it.
     length : mm.
     notches : in the order of their arclength.
+    joins : what its curve is sewn to, where that is not the other side of the same curve.
     """
 
     name: str
@@ -33,6 +35,13 @@ class Seam:
     patches: tuple[str, ...]
     length: float
     notches: tuple[SeamNotch, ...] = ()
+    joins: tuple[Join, ...] = ()
+
+    @property
+    def description(self) -> str:
+        """What its number stands for."""
+        partners = (found.partner(self.curve) for found in self.joins)
+        return " · ".join((self.name, f"{self.length:.1f} mm", " + ".join(self.patches), *partners))
 
 
 def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
@@ -50,7 +59,7 @@ def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
     stretches = {name: stretch for name, stretch in network.stretches.items() if patches[name]}
     marked = _notched(project, network.stretches)
     telling = dict(zip(stretches, tell_apart([marked[name] for name in stretches]), strict=True))
-    return {
+    seams = {
         name: Seam(
             name=name,
             number=number,
@@ -62,6 +71,27 @@ def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
         )
         for number, (name, stretch) in enumerate(stretches.items(), start=1)
     }
+    return _joined(project, network.stretches, seams)
+
+
+def _joined(
+    project: Project, stretches: Mapping[str, SampledStretch], seams: Mapping[str, Seam]
+) -> dict[str, Seam]:
+    """The seams with what is said of curves that are sewn to other curves."""
+    made = dict(seams)
+    notches = {name: seams[name].notches if name in seams else () for name in stretches}
+    for curve in project.curves.values():
+        found = join(curve, project.curves, stretches, notches)
+        if found is None:
+            continue
+        joined, carried, kind = found
+        for name, _ in (*joined.eased.seams, *joined.plain.seams):
+            if name in made:
+                made[name] = replace(made[name], joins=(*made[name].joins, joined))
+            if name in made and name in carried:
+                spec = replace(made[name].spec, notches=kind)
+                made[name] = replace(made[name], spec=spec, notches=tuple(carried[name]))
+    return made
 
 
 def _notched(project: Project, stretches: Mapping[str, SampledStretch]) -> dict[str, NotchedSeam]:

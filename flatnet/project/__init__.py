@@ -5,7 +5,7 @@ from flatnet.project.loader import load_project
 from flatnet.project.model import FormSurface, Material, MeshSurface, Project
 from flatnet.project.patch_specs import AlsoSpec, OpeningSpec, PatchSpec, SignedCurve
 from flatnet.project.problems import Mark, Problem, ProjectError
-from flatnet.project.seam_specs import DartSpec, Ends, NotchSpec, SeamSpec
+from flatnet.project.seam_specs import DartSpec, Ends, NickSpec, NotchSpec, SeamSpec, SewnTo
 
 __all__ = [
     "AlsoSpec",
@@ -16,6 +16,7 @@ __all__ = [
     "Mark",
     "Material",
     "MeshSurface",
+    "NickSpec",
     "NodeSpec",
     "NormalList",
     "NormalSpec",
@@ -26,6 +27,7 @@ __all__ = [
     "Project",
     "ProjectError",
     "SeamSpec",
+    "SewnTo",
     "SignedCurve",
     "load_project",
 ]

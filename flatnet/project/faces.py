@@ -48,6 +48,7 @@ _PATCH_KEYS = (
     "wrinkles",
     "also",
     "marks",
+    "fold",
 )
 _ALSO_KEYS = ("cut", "mirrored", "allowance")
 _GRAIN_KEYS = ("along", "from", "to")
@@ -111,6 +112,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
     loops = _around(section, setting.curves, setting.joins_crossings)
     complete = len(section.problems) == problems_before and not setting.joins_crossings
     cut, mirrored = _copies(section, 1, 0)
+    fold = _fold(section, loops)
     material = _material(section, setting.materials)
     return PatchSpec(
         name=key,
@@ -118,7 +120,7 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         material=material,
         cut=cut,
         mirrored=mirrored,
-        grain=_grain(section, setting),
+        grain=_grain(section, setting, fold),
         edge_length=section.get(
             "edge_length", length_in(setting.mm_per_unit, positive=True), setting.edge_length
         ),
@@ -130,7 +132,20 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         allowance=section.get("allowance", allowance_in(setting.mm_per_unit), None),
         also=_also(section, setting, material, cut, mirrored),
         marks=read_marks(section, setting.mm_per_unit),
+        fold=fold.curve if fold else None,
     )
+
+
+def _fold(section: Section, loops: Loops) -> SignedCurve | None:
+    """The entry of `around` along which the patch is one half of a piece."""
+    node = section.values.get("fold")
+    if node is None:
+        return None
+    text = section.read("fold", node, scalar("the name of a curve"), "")
+    around = {entry.curve: entry for loop in loops for entry in loop}
+    if text and around and text not in around:
+        section.problem(node, f"fold: {text!r} is not around the patch; {nearest(text, around, 'curves around it')}")
+    return around.get(text)
 
 
 def _copies(section: Section, cut: int, mirrored: int) -> tuple[int, int]:
@@ -163,8 +178,10 @@ def _also(section: Section, setting: FaceSetting, material: str, cut: int, mirro
 _UP = frozen(np.array([0.0, 0.0, 1.0]))
 
 
-def _grain(section: Section, setting: FaceSetting) -> GrainSpec | None:
+def _grain(section: Section, setting: FaceSetting, fold: SignedCurve | None) -> GrainSpec | None:
     node = section.values.get("grain")
+    if node is None and fold is not None:
+        return GrainSpec(curve=replace(fold, reversed=False, stretch=None), said=False)
     if node is None:
         return GrainSpec(_UP, said=False)
     if isinstance(node, yaml.SequenceNode):

@@ -19,6 +19,7 @@ from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
 from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.section import Section
+from flatnet.project.sewing import sewn_problems
 from flatnet.project.values import (
     WrongValueError,
     between,
@@ -61,7 +62,7 @@ _TOP_KEYS = (
 )
 _MESH_KEYS = ("mesh", "units", "up", "outer", "clearance")
 _MESH_FILES = (".obj", ".stl", ".ply")
-_MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance", "strain")
+_MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance", "strain", "thickness")
 #: Rotations by the kind of material: with a grain, with a grain that has a direction, without.
 _ROTATIONS: dict[str, tuple[float, ...] | None] = {"woven": (0.0, 180.0), "nap": (0.0,), "free": None}
 #: The most that `strain` may be: beyond it edge lengths say little about cloth.
@@ -126,8 +127,9 @@ def _project(file: Path, top: Section) -> Project:
     curve_sections = top.section("curves", None)
     curve_images = take_images(curve_sections, mirror, "curve", imports.curves)
     curves, problems = cut_at_fractions(nodes, read_curves(curve_sections, curve_setting, imports.curves))
-    curves = curve_images.added(curves, mirror, lambda spec, plane: curve_image(spec, plane, across))
-    top.problems += problems + image_problems(nodes, curves)
+    curves_across = curve_images.both_ways()
+    curves = curve_images.added(curves, mirror, lambda spec, plane: curve_image(spec, plane, across, curves_across))
+    top.problems += problems + image_problems(nodes, curves) + sewn_problems(curves)
     joins_crossings = top.get("join", one_of("crossings"), "") == "crossings"
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
@@ -139,7 +141,7 @@ def _project(file: Path, top: Section) -> Project:
     patches = patch_images.added(
         read_patches(patch_sections, face_setting),
         mirror,
-        lambda spec, plane: patch_image(spec, plane, curve_images.both_ways(), across),
+        lambda spec, plane: patch_image(spec, plane, curves_across, across),
     )
     openings = read_openings(top.section("openings", None), curves, joins_crossings)
     rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
@@ -256,6 +258,7 @@ def _materials(sections: Section, mm_per_unit: float) -> dict[str, Material]:
             gap=section.get("gap", not_negative, 0.0),
             allowance=section.get("allowance", not_negative, 0.0),
             strain=section.get("strain", between(number, 0.0, _MOST_STRAIN), 0.0),
+            thickness=section.get("thickness", not_negative, 0.0),
         )
     return materials or {_DEFAULT_MATERIAL.name: _DEFAULT_MATERIAL}
 

@@ -116,8 +116,13 @@ def node_image(spec: NodeSpec, plane: MirrorPlane) -> NodeSpec:
     return replace(spec, position=frozen(plane.reflect(spec.position)), on_surface=False, place=None, cast=None)
 
 
-def curve_image(spec: CurveSpec, plane: MirrorPlane, nodes: Mapping[str, str]) -> CurveSpec:
-    """The same curve on the other side, from the image of its start; nodes without an image are their own."""
+def curve_image(
+    spec: CurveSpec, plane: MirrorPlane, nodes: Mapping[str, str], curves: Mapping[str, str]
+) -> CurveSpec:
+    """The same curve on the other side, from the image of its start.
+
+    `nodes`, `curves` : original -> image; those without an image are their own.
+    """
 
     def of(node: str) -> str:
         return nodes.get(node, node)
@@ -133,6 +138,7 @@ def curve_image(spec: CurveSpec, plane: MirrorPlane, nodes: Mapping[str, str]) -
         end=spec.end and of(spec.end),
         points=tuple(of_point(point) for point in spec.points),
         cast=None,
+        seam=spec.seam.image(curves),
         fractions=tuple(replace(each, node=of(each.node)) for each in spec.fractions),
     )
 
@@ -174,6 +180,7 @@ def patch_image(
     return replace(
         spec,
         loops=tuple(tuple(of(entry) for entry in reversed(loop)) for loop in spec.loops),
+        fold=spec.fold and curves.get(spec.fold, spec.fold),
         min_angles={nodes.get(node, node): angle for node, angle in spec.min_angles.items()},
         grain=spec.grain and grain_of(spec.grain),
         marks=tuple(

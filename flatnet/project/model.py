@@ -54,6 +54,7 @@ class Material:
     rotations : allowed rotations relative to the grain; None: free.
     length : longest layout; None: no limit.
     strain : largest strain of an edge inside a piece, 0.02 is 2 %; 0: none.
+    thickness : its middle lies half of this outside what it is laid on.
     """
 
     name: str
@@ -63,6 +64,7 @@ class Material:
     gap: float = 0.0
     allowance: float = 0.0
     strain: float = 0.0
+    thickness: float = 0.0
 
     @property
     def one_way(self) -> bool:

@@ -100,6 +100,7 @@ class PatchSpec:
     marks : what is drawn on it.
     simple_outline : a flat outline that crosses itself is opened.
     mirror_of : the patch that it is the mirror image of: reflected, not fitted.
+    fold : the curve of its boundary along which it is one half of a piece.
     """
 
     name: str
@@ -118,6 +119,7 @@ class PatchSpec:
     marks: tuple[MarkSpec, ...] = ()
     simple_outline: bool = False
     mirror_of: str | None = None
+    fold: str | None = None
 
     @property
     def materials(self) -> tuple[str, ...]:

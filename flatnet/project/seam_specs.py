@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from typing import Literal
+
+from flatnet.project.problems import Mark
 
 
 @dataclass(frozen=True)
@@ -63,6 +66,42 @@ class DartSpec:
 
 
 @dataclass(frozen=True)
+class NickSpec:
+    """Cuts into an allowance that is folded over a strongly curved sew line.
+
+    Attributes
+    ----------
+    every : distance of nicks along the sew line, mm.
+    radius : where the sew line is less strongly curved, there are none, mm.
+    clear : how far they stay away from the sew line, mm.
+    """
+
+    every: float
+    radius: float = 50.0
+    clear: float = 3.0
+
+
+@dataclass(frozen=True)
+class SewnTo:
+    """Other curves that a curve is sewn to, end to end, and by how much it is longer than they are.
+
+    Attributes
+    ----------
+    curves : (name, whether it is run backwards), in the direction of the curve that is sewn to them.
+    ease_part, ease_length : what it is longer, as a part of their length and in mm; the sum counts.
+    """
+
+    curves: tuple[tuple[str, bool], ...]
+    ease_part: float
+    ease_length: float
+    mark: Mark
+
+    def ease(self, length: float) -> float:
+        """What a curve has to be longer, mm, that is sewn to others of this length."""
+        return self.ease_part * length + self.ease_length
+
+
+@dataclass(frozen=True)
 class SeamSpec:
     """How the pieces along a curve are cut.
 
@@ -72,6 +111,8 @@ class SeamSpec:
     ends : how the allowances end at corners.
     notches : None: no notches.
     dart : None: no dart; a slit is cut open like any seam.
+    nicks : None: the allowance is not nicked.
+    sewn_to : None: to nothing but the other side of the same curve.
     """
 
     left: float | None = None
@@ -79,3 +120,14 @@ class SeamSpec:
     ends: Ends = Ends()
     notches: NotchSpec | None = None
     dart: DartSpec | None = None
+    nicks: NickSpec | None = None
+    sewn_to: SewnTo | None = None
+
+    def image(self, curves: Mapping[str, str]) -> SeamSpec:
+        """The same of the curve's mirror image, whose left is on the other side; `curves`: original -> image."""
+        dart, sewn = self.dart, self.sewn_to
+        if dart is not None:
+            dart = replace(dart, fold="right" if dart.fold == "left" else "left")
+        if sewn is not None:
+            sewn = replace(sewn, curves=tuple((curves.get(name, name), back) for name, back in sewn.curves))
+        return replace(self, left=self.right, right=self.left, dart=dart, sewn_to=sewn)

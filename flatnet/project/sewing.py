@@ -3,20 +3,40 @@
 from __future__ import annotations
 
 import re
+from collections.abc import Mapping
 from dataclasses import replace
 from typing import Literal, cast
 
 import yaml
 
-from flatnet.project.seam_specs import DartSpec, Ends, NotchSpec, SeamSpec
+from flatnet.project.curve_specs import CurveSpec
+from flatnet.project.problems import Problem
+from flatnet.project.seam_specs import DartSpec, Ends, NickSpec, NotchSpec, SeamSpec, SewnTo
 from flatnet.project.section import Section
-from flatnet.project.values import Parser, between, flag, integer, length_in, one_of, wrong
+from flatnet.project.values import (
+    NAME,
+    Parser,
+    WrongValueError,
+    between,
+    flag,
+    integer,
+    length_in,
+    nearest,
+    one_of,
+    scalar,
+    wrong,
+)
 from flatnet.project.yaml_nodes import is_number, mark_of
 
-SEAM_KEYS = ("allowance", "ends", "notches", "dart")
+SEAM_KEYS = ("allowance", "ends", "notches", "dart", "nicks", "sewn_to")
 _DART_KEYS = ("fold", "drill")
 _NOTCH_KEYS = ("every", "at", "nodes", "kind", "marks", "depth")
+_NICK_KEYS = ("every", "radius", "clear")
+_SEWN_KEYS = ("curves", "ease")
 _PART = re.compile(r"(\d+(?:\.\d*)?)\s*%", re.ASCII)
+_SIGNED = re.compile(rf"(-?)({NAME})")
+#: More ease than this part of the length is a slip of the pen: gathers take two to three times the length.
+_MOST_EASE = 9.0
 
 
 def read_seam(section: Section, mm_per_unit: float) -> SeamSpec:
@@ -29,6 +49,8 @@ def read_seam(section: Section, mm_per_unit: float) -> SeamSpec:
         ends=ends,
         notches=_notches(section, mm_per_unit) if "notches" in section.values else None,
         dart=_dart(section, mm_per_unit) if "dart" in section.values else None,
+        nicks=_nicks(section, mm_per_unit) if "nicks" in section.values else None,
+        sewn_to=_sewn_to(section, mm_per_unit) if "sewn_to" in section.values else None,
     )
 
 
@@ -73,8 +95,8 @@ def _notches(section: Section, mm_per_unit: float) -> NotchSpec:
     if "at" in inner.values:
         length = length_in(mm_per_unit, negative=False)
         for label, item in inner.items("at", inner.values["at"], "a list of lengths and percentages"):
-            if isinstance(item, yaml.ScalarNode) and _PART.fullmatch(item.value):
-                parts.append(inner.read(label, item, _part, 0.5))
+            if _is_part(item):
+                parts.append(inner.read(label, item, _part_up_to(1.0), 0.5))
             else:
                 at.append(inner.read(label, item, length, 0.0))
     kinds = one_of("slit", "T", "V", "castle")
@@ -103,9 +125,87 @@ def _dart(section: Section, mm_per_unit: float) -> DartSpec:
     return DartSpec(cast(Literal["left", "right"], fold), drill)
 
 
-def _part(node: yaml.Node) -> float:
+def _nicks(section: Section, mm_per_unit: float) -> NickSpec:
+    """`nicks: 8` for their distance, or `{every: 8, radius: 50, clear: 3}`."""
+    node = section.values["nicks"]
+    positive = length_in(mm_per_unit, positive=True)
+    if not isinstance(node, yaml.MappingNode):
+        return NickSpec(section.get("nicks", positive, 1.0))
+    inner = Section(node, f"{section.title}: nicks", mark_of(node), _NICK_KEYS, section.problems)
+    return NickSpec(
+        every=inner.require("every", positive, 1.0, "the distance between nicks along the sew line"),
+        radius=inner.get("radius", positive, NickSpec.radius),
+        clear=inner.get("clear", length_in(mm_per_unit, negative=False), NickSpec.clear),
+    )
+
+
+def _is_part(node: yaml.Node) -> bool:
+    return isinstance(node, yaml.ScalarNode) and _PART.fullmatch(node.value) is not None
+
+
+def _part_up_to(most: float) -> Parser[float]:
     """A percentage -> its part of 1."""
-    percent = float(node.value.rstrip("% "))
-    if percent > 100.0:
-        raise wrong(node, "at most 100%")
-    return percent / 100.0
+
+    def parser(node: yaml.Node) -> float:
+        part = float(node.value.rstrip("% ")) / 100.0
+        if part > most:
+            raise wrong(node, f"at most {100.0 * most:g}%")
+        return part
+
+    return parser
+
+
+def _sewn_to(section: Section, mm_per_unit: float) -> SewnTo:
+    """`sewn_to: waist`, a list of signed curves, or `{curves: ..., ease: 3%}`."""
+    node = section.values["sewn_to"]
+    part = length = 0.0
+    curves: tuple[tuple[str, bool], ...] = ()
+    if isinstance(node, yaml.MappingNode):
+        inner = Section(node, f"{section.title}: sewn_to", mark_of(node), _SEWN_KEYS, section.problems)
+        if "ease" in inner.values and _is_part(inner.values["ease"]):
+            part = inner.get("ease", _part_up_to(_MOST_EASE), 0.0)
+        else:
+            length = inner.get("ease", length_in(mm_per_unit, negative=False), 0.0)
+        curves = inner.require("curves", _signed_curves, curves, "the curves that it is sewn to")
+    else:
+        curves = section.get("sewn_to", _signed_curves, curves)
+    return SewnTo(curves, part, length, mark_of(node))
+
+
+def _signed_curves(node: yaml.Node) -> tuple[tuple[str, bool], ...]:
+    """A curve's name, or a list of them, those that are run backwards behind a minus."""
+    nodes = node.value if isinstance(node, yaml.SequenceNode) else [node]
+    expected = "a curve, or a list of curves in the order in which they are met: [front, -back]"
+    if not nodes:
+        raise wrong(node, expected)
+    found = []
+    for each in nodes:
+        match = _SIGNED.fullmatch(scalar(expected)(each))
+        if match is None:
+            raise WrongValueError(each, wrong(each, expected).message)
+        found.append((match[2], bool(match[1])))
+    return tuple(found)
+
+
+def sewn_problems(curves: Mapping[str, CurveSpec]) -> list[Problem]:
+    """What is wrong with the curves that curves are sewn to."""
+    problems = []
+    notched_by: dict[str, str] = {}
+    for curve in curves.values():
+        sewn = curve.seam.sewn_to
+        for name, _ in sewn.curves if sewn else ():
+            other = curves.get(name)
+            message = None
+            if other is None:
+                message = f"there is no curve {name!r}; {nearest(name, curves, 'curves')}"
+            elif other is curve:
+                message = "both sides of a curve are sewn to each other without a word; name another curve"
+            elif other.seam.sewn_to is not None:
+                message = f"{name!r} says itself what it is sewn to; say it of one of both"
+            elif curve.seam.notches and other.seam.notches:
+                message = f"{name!r} has notches too; give them to one of both, they are carried to the other"
+            elif curve.seam.notches and notched_by.setdefault(name, curve.name) != curve.name:
+                message = f"{name!r} has the notches of {notched_by[name]!r} already; give {name!r} its own instead"
+            if message and sewn:
+                problems.append(Problem(sewn.mark, f"curve {curve.name!r}: sewn_to: {message}"))
+    return problems

@@ -14,6 +14,7 @@ from flatnet.nesting.layout import Layout
 from flatnet.network.network import CurveNetwork
 from flatnet.pattern.seams import Seam
 from flatnet.report.metrics import metrics
+from flatnet.report.seam_walk import walk_records
 from flatnet.report.seams import seam_records
 from flatnet.report.warnings import patch_warnings
 from flatnet.version import VERSION
@@ -56,6 +57,7 @@ def make_report(
         "status": status([record["status"] == "ok" for record in patches], bool(layouts)),
         "patches": patches,
         "seams": seam_records(network, seams, fitted),
+        "seam_walk": walk_records(network, seams, fitted),
         "layouts": [_layout_record(file, layout) for file, layout in layouts.items()],
         "findings": [finding.as_dict() for finding in findings],
         "openings": {name: [list(loop) for loop in loops] for name, loops in network.openings.items()},

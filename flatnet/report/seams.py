@@ -67,10 +67,7 @@ def _record(
 
 def _walked(notch: SeamNotch, *sides: Floats | None) -> dict[str, object]:
     """A notch and where it is met when both sew lines are walked from the seam's start."""
-    first, second = (
-        None if along is None else float(np.interp(notch.edge + notch.fraction, np.arange(len(along)), along))
-        for along in sides
-    )
+    first, second = (None if along is None else notch.met_at(along) for along in sides)
     return {"at_3d_mm": notch.arclength, "marks": notch.marks, "at_a_mm": first, "at_b_mm": second}
 
 

@@ -21,6 +21,7 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
         lines += [f"{patch['name']}: warning {_told(warning)}" for warning in patch["warnings"]]
     for seam in report["seams"]:
         lines += [f"{seam['curve']}: warning {_told(warning)}" for warning in seam["warnings"]]
+    lines += _walk_lines(report["seam_walk"])
     lines += _warnings([finding for finding in report["findings"] if not finding["patch"]])
     for layout in report["layouts"]:
         lines.append(
@@ -49,6 +50,26 @@ def _patch_line(patch: dict[str, Any], width: int) -> str:
         f"wrinkles {figures['wrinkles']['turning_deg']:3.0f} deg  "
         f"fold {figures['max_dihedral_deg']:3.0f} deg  {sum(patch['seconds'].values()):5.2f} s{strained}"
     )
+
+
+def _walk_lines(walks: Sequence[dict[str, Any]]) -> list[str]:
+    """What the walk along both sides of the seams shows: one line for all seams, one for each curve sewn to others."""
+    seams = [walk for walk in walks if walk["a"] == walk["b"]]
+    lines = []
+    if seams:
+        worst = max(seams, key=lambda walk: walk["largest_difference_mm"])
+        lines.append(
+            f"seam walk: {counted(len(seams), 'seam')}, {sum(len(walk['legs']) for walk in seams)} lengths from notch "
+            f"to notch, both sides alike to {worst['largest_difference_mm']:.1g} mm"
+        )
+    for walk in walks:
+        if walk["a"] != walk["b"]:
+            lines.append(
+                f"seam walk: {walk['a']} {walk['length_a_mm']:.1f} mm on {walk['b']} {walk['length_b_mm']:.1f} mm, "
+                f"ease {walk['ease_mm']:.1f} mm ({100.0 * walk['ease_mm'] / walk['length_b_mm']:.1f} %)"
+            )
+        lines += [f"{walk['a']}: warning {_told(warning)}" for warning in walk["warnings"]]
+    return lines
 
 
 def _warnings(findings: Sequence[dict[str, Any]]) -> list[str]:

@@ -19,11 +19,13 @@ from flatnet.project import (
     Mark,
     Material,
     MeshSurface,
+    NickSpec,
     NotchSpec,
     Problem,
     Project,
     ProjectError,
     SeamSpec,
+    SewnTo,
     load_project,
 )
 from flatnet.project.curve_specs import AtLandmark, MeshEdges, NamedLine, OnCurve, OnLine, OnRay, PlaneSection
@@ -59,7 +61,7 @@ def test_every_key_is_read(tmp_path: Path) -> None:
     assert surface.path == tmp_path / "tetrahedron.stl"
     assert (surface.mm_per_unit, surface.up, surface.outer) == (1000.0, "y", "inside")
     assert surface.clearance == project.clearance == 2.0
-    assert project.materials["denim"] == Material("denim", 1500.0, 5000.0, (0.0, 90.0), 3.0, 10.0)
+    assert project.materials["denim"] == Material("denim", 1500.0, 5000.0, (0.0, 90.0), 3.0, 10.0, thickness=1.2)
     assert project.materials["felt"] == Material("felt", 1000.0, rotations=None)
 
 
@@ -85,9 +87,11 @@ def test_curves(tmp_path: Path) -> None:
     assert (top.start, top.points[1], top.end, top.closed) == ("007", "d-e.f", "on", False)
     assert curves["dart"].slit
     notches = NotchSpec(60.0, (1.0,), (0.25, 0.5), True, "castle", 2, 3.0)
-    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"), notches)
+    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"), notches, nicks=NickSpec(8.0, 40.0, 2.0))
     assert curves["dart"].seam == SeamSpec(notches=NotchSpec(every=50.0), dart=DartSpec("right", 8.0))
-    assert curves["side"].seam == SeamSpec(None, 0.0, Ends("mitre", 25.0))
+    assert curves["side"].seam == SeamSpec(
+        None, 0.0, Ends("mitre", 25.0), sewn_to=SewnTo((("hem", False), ("top", True)), 0.03, 0.0, Mark(24, 137))
+    )
     assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None))
     assert (curves["hole"].closed, curves["hole"].start) == (True, None)
     assert (curves["ring"].closed, curves["ring"].start, curves["ring"].end) == (True, "tip", "tip")
@@ -115,6 +119,7 @@ def test_patches(tmp_path: Path) -> None:
     np.testing.assert_allclose(front.grain.direction, [0, 0.6, 0.8], rtol=1e-15)
     assert front.min_angles == {"no": np.radians(95.0)}
     assert (front.allowance, disk.allowance) == (8.0, None)
+    assert (front.fold, disk.fold) == ("side", None)
     pocket, button = front.marks
     assert (pocket.name, pocket.kind, pocket.spline, pocket.closed) == ("pocket", "stitch", True, True)
     assert (button.kind, button.diameter, button.points[0].tolist()) == ("eyelet", 4.0, [10, 10, 0])
@@ -523,7 +528,8 @@ def test_the_docs_name_every_key_and_parameter() -> None:
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
         *nodes._NODE_KEYS, *nodes._RAY_KEYS, *nodes._AT_KEYS, *paths._SECTION_KEYS, *curves._CURVE_KEYS,
         *faces._PATCH_KEYS, *faces._ALSO_KEYS, *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS,
-        *sewing._DART_KEYS, *imports._IMPORT_KEYS, *imports._PLACE_KEYS, *mirror._MIRROR_KEYS, mirror.IMAGE_KEY,
+        *sewing._DART_KEYS, *sewing._SEWN_KEYS, *sewing._NICK_KEYS, *imports._IMPORT_KEYS, *imports._PLACE_KEYS,
+        *mirror._MIRROR_KEYS, mirror.IMAGE_KEY,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
     for parameters in (*METHODS.values(), NestingParameters, Limits):

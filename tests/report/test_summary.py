@@ -21,6 +21,7 @@ def test_failures_and_warnings_say_what_and_what_to_do():
         "status": "partial",
         "patches": [{**made, "warnings": [{**FINDING, "code": "opposed_normals"}]}, failed],
         "seams": [],
+        "seam_walk": [],
         "findings": [{**FINDING, "code": "draft_layout"}],
         "layouts": [],
     }
