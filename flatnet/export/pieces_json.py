@@ -13,8 +13,10 @@ from numpy.typing import NDArray
 
 from flatnet.geometry.polygon import arclengths
 from flatnet.parameters import STROKES
+from flatnet.pattern.edging import Fold
 from flatnet.pattern.labels import Label
 from flatnet.pattern.marks import Mark
+from flatnet.pattern.nicks import Nick
 from flatnet.pattern.notches import Notch
 from flatnet.pattern.piece import Piece, SeamRun
 from flatnet.pattern.seams import Seam
@@ -77,6 +79,7 @@ def _material(material: Material) -> dict[str, object]:
         "gap": material.gap,
         "allowance": material.allowance,
         "strain": material.strain,
+        "thickness": material.thickness,
     }
 
 
@@ -87,6 +90,7 @@ def _seam(seam: Seam) -> dict[str, object]:
         "curve": seam.curve,
         "patches": seam.patches,
         "length": seam.length,
+        "sewn_to": seam.partners,
     }
 
 
@@ -104,6 +108,8 @@ def _piece(name: str, piece: Piece) -> dict[str, object]:
         "grain": None if piece.grain is None else piece.grain.tolist(),
         "one_way": piece.one_way,
         "notches": [_notch(notch) for notch in piece.notches],
+        "nicks": [{"seam": nick.seam, "points": nick.points.tolist()} for nick in piece.nicks],
+        "fold": None if piece.fold is None else piece.fold.line.tolist(),
         "marks": [_mark(mark) for mark in piece.marks],
         "label": _label(piece.label),
         "seams": [_run(piece, run) for run in piece.seams],
@@ -168,7 +174,13 @@ def read_pieces(path: Path) -> PieceFile:
             raise ValueError(f"its format is {record['format']!r}, not {FORMAT!r}")
         seams = {
             seam["name"]: Seam(
-                seam["name"], seam["number"], seam["curve"], SeamSpec(), tuple(seam["patches"]), seam["length"]
+                seam["name"],
+                seam["number"],
+                seam["curve"],
+                SeamSpec(),
+                tuple(seam["patches"]),
+                seam["length"],
+                partners=tuple(seam["sewn_to"]),
             )
             for seam in record["seams"]
         }
@@ -215,6 +227,8 @@ def _read_piece(record: Mapping[str, Any], seams: Mapping[str, Seam]) -> Piece:
         mirrored=record["mirrored"],
         material=record["material"],
         project=record["project"],
+        nicks=tuple(Nick(nick["seam"], np.array(nick["points"], float)) for nick in record["nicks"]),
+        fold=None if record["fold"] is None else Fold(*np.array(record["fold"], float)),
     )
 
 

@@ -36,7 +36,7 @@ def half_on_fold(piece: Piece, fold: Fold) -> Piece:
     marks.append(Mark("place on the fold", "fold", _bracket(fold, inward)))
     half = replace(
         piece, sew_line=sew_line, cut_line=outline, holes=tuple(holes), notches=notches, nicks=nicks,
-        marks=tuple(marks), on_fold=True,
+        allowances=np.append(piece.allowances[: count - 1], 0.0), marks=tuple(marks), on_fold=True,
     )  # fmt: skip
     lines = [line for notch in notches for line in notch.lines] + [line for mark in marks for line in mark.lines]
     free = room_for_text(region_of(sew_line), lines)

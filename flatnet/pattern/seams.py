@@ -26,6 +26,7 @@ class Seam:
     length : mm.
     notches : in the order of their arclength.
     joins : what its curve is sewn to, where that is not the other side of the same curve.
+    partners : the same in words, as printed.
     """
 
     name: str
@@ -36,12 +37,12 @@ class Seam:
     length: float
     notches: tuple[SeamNotch, ...] = ()
     joins: tuple[Join, ...] = ()
+    partners: tuple[str, ...] = ()
 
     @property
     def description(self) -> str:
         """What its number stands for."""
-        partners = (found.partner(self.curve) for found in self.joins)
-        return " · ".join((self.name, f"{self.length:.1f} mm", " + ".join(self.patches), *partners))
+        return " · ".join((self.name, f"{self.length:.1f} mm", " + ".join(self.patches), *self.partners))
 
 
 def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
@@ -87,7 +88,9 @@ def _joined(
         joined, carried, kind = found
         for name, _ in (*joined.eased.seams, *joined.plain.seams):
             if name in made:
-                made[name] = replace(made[name], joins=(*made[name].joins, joined))
+                seam = made[name]
+                partners = (*seam.partners, joined.partner(seam.curve))
+                made[name] = replace(seam, joins=(*seam.joins, joined), partners=partners)
             if name in made and name in carried:
                 spec = replace(made[name].spec, notches=kind)
                 made[name] = replace(made[name], spec=spec, notches=tuple(carried[name]))

@@ -2,6 +2,7 @@
 
 import json
 import re
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -13,6 +14,8 @@ from flatnet.export.pieces_json import PieceFile, read_pieces, write_pieces
 from flatnet.export.svg import write_piece
 from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
+from flatnet.pattern.edging import Fold
+from flatnet.pattern.nicks import Nick
 from flatnet.pattern.notches import SeamNotch
 from flatnet.pattern.seams import Seam
 from flatnet.project.seam_specs import NotchSpec, SeamSpec
@@ -35,7 +38,8 @@ def notched_piece():
 
 @pytest.fixture
 def written(tmp_path):
-    piece = notched_piece()
+    nick = Nick("front", OUTLINE[:3].copy())
+    piece = replace(notched_piece(), nicks=(nick,), fold=Fold(OUTLINE[0], OUTLINE[1]))
     ring = np.concatenate([SQUARE, SQUARE[:1], (0.4 * SQUARE + 30.0)[[0, 3, 2, 1, 0]]])
     content = PieceFile("letters", "38", {"cloth": cloth(rotations=None)},
                         {"f": piece, "ring_cloth": plain_piece(ring, cloth(allowance=6.0), name="ring", grain=None)})
@@ -53,6 +57,7 @@ def test_what_is_read_back_is_drawn_to_the_same_bytes(written, tmp_path):
             write_piece(tmp_path / f"{kind}.svg", made)
         assert (tmp_path / "written.svg").read_bytes() == (tmp_path / "read.svg").read_bytes()
         again = read.pieces[name]
+        assert (piece.fold and piece.fold.line.tolist()) == (again.fold and again.fold.line.tolist())
         for a, b in ((piece.sew_line, again.sew_line), (piece.cut_line, again.cut_line),
                      (piece.allowances, again.allowances), *zip(piece.holes, again.holes, strict=True)):
             assert np.array_equal(a, b)  # bit by bit, which the drawing would round
