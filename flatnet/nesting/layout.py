@@ -86,6 +86,7 @@ class Layout:
     sheet : the sheets of a material count from 1.
     draft : laid in plain rows, because the nesting engine gave no valid layout.
     digest : of everything that the layout was made from (`stored.digest_of`).
+    seconds : that the engine was given.
     """
 
     material: Material
@@ -93,6 +94,7 @@ class Layout:
     sheet: int = 1
     draft: bool = False
     digest: str = ""
+    seconds: int = 0
 
     @property
     def used_length(self) -> float:

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 
 from flatnet.failure import Finding
 from flatnet.nesting.check import TOLERANCE, check_layouts
 from flatnet.nesting.layout import Copy, Layout, Placement, copies_of
 from flatnet.nesting.orientation import too_large
-from flatnet.nesting.roll import EngineError, nest_on_roll
+from flatnet.nesting.engine import EngineError
+from flatnet.nesting.roll import nest_on_roll
 from flatnet.nesting.rows import lay_in_rows
 from flatnet.nesting.stored import Stored, digest_of, restore
 from flatnet.parameters import NestingParameters
@@ -45,7 +47,7 @@ def nest(
         return (), tuple(findings)
 
     digest = digest_of(laid, material, parameters)
-    layouts = restore(stored or {}, digest, laid, material)
+    layouts = restore(stored or {}, digest, laid, material, parameters.seconds)
     if layouts is not None and not check_layouts(layouts, laid):
         progress(f"{material.name}: the layout is unchanged")
         return layouts, tuple(findings)
@@ -65,7 +67,7 @@ def nest(
         if problems:
             raise RuntimeError(f"{material.name}: plain rows are not valid: {'; '.join(problems)}") from error
     layouts = tuple(
-        Layout(layout.material, layout.placements, layout.sheet, draft, digest) for layout in layouts
+        replace(layout, draft=draft, digest=digest, seconds=parameters.seconds) for layout in layouts
     )
     for layout in layouts:
         progress(f"{material.name}: {layout.used_length:.1f} mm used, {100 * layout.utilisation:.1f} %")
@@ -79,8 +81,13 @@ def _nested(
     in_rows = _on_sheets(copies, material, lambda rest: lay_in_rows(rest, material))
     if len(copies) == 1:  # nothing to optimise but its rotation
         return in_rows
-    progress(f"{material.name}: nesting {len(copies)} copies for {parameters.seconds} s")
-    nested = _on_sheets(copies, material, lambda rest: nest_on_roll(rest, material, parameters))
+
+    def lay(rest: Sequence[Copy]) -> list[Placement]:
+        text = f"{material.name}: nesting {len(rest)} copies for {parameters.seconds} s"
+        progress(text)
+        return nest_on_roll(rest, material, parameters, lambda part: progress(f"{text}, {100.0 * part:.1f} %"))
+
+    nested = _on_sheets(copies, material, lay)
     return min(nested, in_rows, key=lambda sheets: (len(sheets), sheets[-1].used_length))
 
 

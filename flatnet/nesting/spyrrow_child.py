@@ -1,4 +1,5 @@
-"""Run spyrrow in a process of its own: a strip packing problem as JSON on stdin, its solution on stdout.
+"""Run spyrrow in a process of its own: a strip packing problem as JSON on stdin, on stdout a line of JSON for each
+better length that it finds, and last its solution.
 
 Run by path and free of imports of the package, so that it starts at once. Bad input makes the engine panic,
 which reaches Python as a BaseException; whatever happens here, the caller reads it as {"error": ...}.
@@ -6,10 +7,14 @@ which reaches Python as a BaseException; whatever happens here, the caller reads
 
 import json
 import sys
+import threading
+
+#: At most so often a better length is told, s.
+PAUSE = 0.5
 
 
 def solve(problem: dict) -> dict:
-    """The placements of a problem's items, as JSON has them."""
+    """The placements of a problem's items, as JSON has them; better lengths are told as they are found."""
     import spyrrow
 
     items = [
@@ -23,7 +28,27 @@ def solve(problem: dict) -> dict:
         num_workers=problem["workers"],
         seed=problem["seed"],
     )
-    solution = spyrrow.StripPackingInstance("roll", problem["width"], items).solve(config)
+    instance = spyrrow.StripPackingInstance("roll", problem["width"], items)
+    queue = spyrrow.ProgressQueue()
+    done = threading.Event()
+    # The queue also delivers layouts in which pieces overlap.
+    valid = (spyrrow.ReportType.ExplFeas, spyrrow.ReportType.CmprFeas)
+
+    def tell() -> None:
+        shortest = float("inf")
+        while not done.wait(PAUSE):
+            lengths = [solution.width for kind, solution in queue.drain() if kind in valid]
+            if lengths and min(lengths) < shortest:
+                shortest = min(lengths)
+                print(json.dumps({"length": shortest}), flush=True)
+
+    teller = threading.Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        solution = instance.solve(config, queue)
+    finally:
+        done.set()
+        teller.join()
     return {"placed": [[int(p.id), p.rotation, *p.translation] for p in solution.placed_items]}
 
 
@@ -33,4 +58,4 @@ if __name__ == "__main__":
     except BaseException as error:
         reason = str(error).partition("\n")[0]  # a panic brings its backtrace
         answer = {"error": f"{type(error).__name__}: {reason}"}
-    json.dump(answer, sys.stdout)
+    print(json.dumps(answer), flush=True)

@@ -19,21 +19,21 @@ from flatnet.parameters import NestingParameters
 from flatnet.pattern.piece import Piece
 from flatnet.project.model import Material
 
-FORMAT = "flatnet-layout/1"
+FORMAT = "flatnet-layout/2"
 
-#: Digest -> the placements of each sheet, as in the file.
+#: Digest -> how many seconds the engine was given, and the placements of each sheet, as in the file.
 Stored = Mapping[str, Any]
 
 
 def digest_of(pieces: Sequence[Piece], material: Material, parameters: NestingParameters) -> str:
-    """SHA-256 of everything that a layout depends on; cut lines count to 0.001 mm."""
+    """SHA-256 of everything that a layout depends on but for the engine's time; cut lines count to 0.001 mm."""
     content = {
         "pieces": [
             [piece.name, piece.cut, piece.mirrored, np.rint(piece.cut_line * 1000.0).astype(int).tolist()]
             for piece in pieces
         ],
         "sheet": [material.width, material.length, material.rotations, material.gap],
-        "engine": [parameters.seconds, parameters.seed],
+        "seed": parameters.seed,
     }
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()
 
@@ -52,22 +52,29 @@ def read_stored(path: Path) -> Stored:
 
 def write_stored(path: Path, layouts: Iterable[Layout]) -> None:
     """Store the placements of all layouts; drafts are left out, so that the engine is asked again."""
-    stored: dict[str, list[list[dict[str, Any]]]] = {}
+    stored: dict[str, dict[str, Any]] = {}
     for layout in layouts:
         if not layout.draft:
-            stored.setdefault(layout.digest, []).append([p.as_dict() for p in layout.placements])
+            record = stored.setdefault(layout.digest, {"seconds": layout.seconds, "sheets": []})
+            record["sheets"].append([p.as_dict() for p in layout.placements])
     path.write_text(json.dumps({"format": FORMAT, "layouts": stored}, indent=1) + "\n", encoding="utf-8")
 
 
 def restore(
-    stored: Stored, digest: str, pieces: Sequence[Piece], material: Material
+    stored: Stored, digest: str, pieces: Sequence[Piece], material: Material, seconds: int
 ) -> tuple[Layout, ...] | None:
-    """The layouts stored under a digest, still to be checked; None where there are none that can be read."""
+    """The layouts stored under a digest, still to be checked.
+
+    None where there are none that can be read, or the engine was given less than these seconds for them.
+    """
     by_name = {piece.name: piece for piece in pieces}
     try:
+        given = int(stored[digest]["seconds"])
+        if given < seconds:
+            return None
         return tuple(
-            Layout(material, tuple(_placement(record, by_name) for record in sheet), number, False, digest)
-            for number, sheet in enumerate(stored[digest], start=1)
+            Layout(material, tuple(_placement(record, by_name) for record in sheet), number, False, digest, given)
+            for number, sheet in enumerate(stored[digest]["sheets"], start=1)
         )
     except (KeyError, TypeError, ValueError):  # a file that somebody edited
         return None

@@ -9,7 +9,8 @@ from pieces import LETTER_F, SQUARE, blob, cloth, piece
 
 from flatnet.nesting import Layout, Placement, check_layouts, nest, read_stored, write_stored
 from flatnet.nesting.layout import copies_of, turn
-from flatnet.nesting.roll import EngineError, _run, nest_on_roll
+from flatnet.nesting.engine import EngineError, Item, Strip, run_engine
+from flatnet.nesting.roll import nest_on_roll
 from flatnet.nesting.rows import lay_in_rows
 from flatnet.parameters import NestingParameters
 
@@ -139,21 +140,30 @@ def test_plain_rows_are_valid_and_always_the_same(seed):
     assert [(str(p), p.x_mm, p.y_mm) for p in first] == [(str(p), p.x_mm, p.y_mm) for p in second]
 
 
-def problem(**changes):
-    items = [{"outline": SQUARE.tolist(), "count": 1, "rotations": [0.0]}]
-    settings = {"separation": 1.0, "seconds": 1, "seed": 0, "workers": 1}
-    return {"width": 200.0, "items": items, **settings, **changes}
+def run(width=200.0, separation=1.0, seconds=1, limit=20.0, told=None):
+    items = [Item.of(shapely.Polygon(SQUARE), count=3)]
+    told = [] if told is None else told
+    return run_engine(Strip(width, separation), items, NestingParameters(seconds=seconds), told.append, limit)
 
 
-@pytest.mark.parametrize("changes", [{"width": 50.0}, {"workers": 0}, {"separation": float("nan")}])
+@pytest.mark.parametrize("changes", [{"width": 50.0}, {"separation": float("nan")}])
 def test_a_panic_of_the_engine_is_caught(changes):
     with pytest.raises(EngineError, match=r"PanicException|status"):
-        _run(problem(**changes), 20.0)
+        run(**changes)
 
 
 def test_an_engine_past_its_time_is_ended():
     with pytest.raises(EngineError, match="still running"):
-        _run(problem(seconds=30), 0.5)
+        run(seconds=30, limit=0.5)
+
+
+def test_the_engine_tells_how_it_comes_on():
+    told = []
+    placed = run(seconds=2, told=told)
+    assert [item for item, *_ in placed] == [0, 0, 0]
+    # Three squares of 100 in a row, with a separation between them and at both ends; nothing is shorter.
+    assert told and told == sorted(told, reverse=True)
+    assert 304.0 - 0.01 <= told[-1] <= 320.0
 
 
 def test_where_the_engine_dies_the_layout_is_a_valid_draft():
@@ -200,16 +210,27 @@ class TestStored:
             [p.x_mm, p.y_mm, p.rotation_deg, p.mirrored] for p in first[0].placements
         ] == [
             [r["x_mm"], r["y_mm"], r["rotation_deg"], r["mirrored"]]
-            for r in stored[first[0].digest][0]
+            for r in stored[first[0].digest]["sheets"][0]
         ]
 
     def test_what_the_layout_was_made_from_is_looked_at(self, file):
         assert not self.nest(file, cloth(width=300.0, gap=2.5))[1]
         assert not self.nest(file, parameters=NestingParameters(seconds=1, seed=1))[1]
 
+    def test_a_layout_is_good_enough_where_the_engine_had_as_much_time(self, file):
+        content = json.loads(file.read_text())
+        (record,) = content["layouts"].values()
+        record["seconds"] = 60
+        file.write_text(json.dumps(content))
+        (layout,), reused = self.nest(file)
+        assert reused and layout.seconds == 60
+        record["seconds"] = 0
+        file.write_text(json.dumps(content))
+        assert not self.nest(file)[1]
+
     @pytest.mark.parametrize(
         "text",
-        ["", "{", "[]", "null", '{"format": "other/1", "layouts": {}}', '{"format": "flatnet-layout/1"}'],
+        ["", "{", "[]", "null", '{"format": "other/1", "layouts": {}}', '{"format": "flatnet-layout/2"}'],
     )
     def test_corrupt_and_foreign_files_are_ignored(self, tmp_path, text):
         (tmp_path / "bad.json").write_text(text)
@@ -233,8 +254,8 @@ class TestStored:
     )
     def test_an_edited_layout_is_nested_again(self, file, edit):
         content = json.loads(file.read_text())
-        for (sheet,) in content["layouts"].values():
-            for record in sheet:
+        for stored in content["layouts"].values():
+            for record in stored["sheets"][0]:
                 record.update(edit)
         file.write_text(json.dumps(content))
         assert not self.nest(file)[1]

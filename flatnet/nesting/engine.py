@@ -1,0 +1,179 @@
+"""Ask spyrrow, the strip packing engine, in a child process: kinds of copies and a width in, placements out."""
+
+from __future__ import annotations
+
+import json
+import subprocess
+import sys
+import threading
+from collections.abc import Callable, Sequence
+from dataclasses import asdict, dataclass
+from pathlib import Path
+
+import numpy as np
+import shapely
+from numpy.typing import NDArray
+from shapely import Polygon
+
+from flatnet.nesting.layout import Copy, Placement, turn
+from flatnet.parameters import NestingParameters
+
+Floats = NDArray[np.float64]
+
+#: Called with the length of the strip that is used, mm, whenever a shorter one is found.
+Shorter = Callable[[float], None]
+
+#: mm that an outline may be simplified by for the engine; it drops repeated points, which the engine refuses.
+SIMPLIFIED = 0.005
+#: The engine panics where a piece fits exactly: the strip is wider by this part of itself.
+EXACT_FIT = 2e-5
+#: Threads of the engine.
+WORKERS = 2
+#: Seconds that the child may take beyond twice its time before it is ended.
+GRACE = 30.0
+
+_CHILD = Path(__file__).with_name("spyrrow_child.py")
+
+
+class EngineError(Exception):
+    """The nesting engine gave no layout; the message says why."""
+
+
+@dataclass(frozen=True)
+class Item:
+    """A kind of copies as the engine takes it.
+
+    Attributes
+    ----------
+    outline : (x, y) in mm, already mirrored, about the origin, where single precision is finest.
+    centre : what was the origin's place in the mirrored piece.
+    rotations : degrees; None: any.
+    """
+
+    outline: list[list[float]]
+    centre: list[float]
+    count: int
+    rotations: list[float] | None
+
+    @classmethod
+    def of(
+        cls, region: Polygon, mirrored: bool = False, count: int = 1, rotations: Sequence[float] | None = (0.0,)
+    ) -> Item:
+        """A region, of which the engine sees the outer ring only."""
+        simple = shapely.simplify(region, SIMPLIFIED)
+        outline = shapely.get_coordinates(simple.exterior)[:-1] @ turn(0.0, mirrored).T
+        centre = 0.5 * (outline.min(axis=0) + outline.max(axis=0))
+        return cls(
+            (outline - centre).tolist(), centre.tolist(), count, None if rotations is None else list(rotations)
+        )
+
+    def rebuilt(self, copy: Copy, rotation: float, place: Floats) -> Placement:
+        """The engine's placement of one of its copies in double precision: the nearest of the rotations offered."""
+        if self.rotations is not None:
+            rotation = min(self.rotations, key=lambda angle: abs((rotation - angle + 180.0) % 360.0 - 180.0))
+        x, y = (place - turn(rotation, False) @ self.centre).tolist()
+        return Placement(copy.piece, copy.number, copy.mirrored, rotation % 360.0, x, y)
+
+
+@dataclass(frozen=True)
+class Strip:
+    """A strip of the engine.
+
+    Attributes
+    ----------
+    width : mm.
+    separation : mm that it keeps between items, and to the rim.
+    """
+
+    width: float
+    separation: float
+
+
+def separation_for(gap: float, width: float, area: float) -> float:
+    """The engine's separation such that a gap is kept whatever simplifying, rounding and moving back take away, mm.
+
+    It calculates in single precision.
+
+    Parameters
+    ----------
+    width : of the strip, mm.
+    area : of all pieces, mm^2.
+    """
+    single = float(np.finfo(np.float32).eps) * (2.0 * area / width + width)
+    return gap + EXACT_FIT * (width + 2.0 * gap) + 2.0 * SIMPLIFIED + 4.0 * single
+
+
+def run_engine(
+    strip: Strip,
+    items: Sequence[Item],
+    parameters: NestingParameters,
+    shorter: Shorter = lambda _: None,
+    limit: float | None = None,
+) -> list[tuple[int, float, Floats]]:
+    """Lay the items on as little length of a strip as the engine finds in its time.
+
+    Parameters
+    ----------
+    limit : seconds after which the child is ended; None: long after its time.
+
+    Returns
+    -------
+    Of every copy the number of its item, degrees, and where the item's origin lies, (2,) mm.
+
+    Raises
+    ------
+    EngineError
+        Where the engine panics or takes too long.
+    """
+    problem = {
+        **asdict(strip),
+        "items": [asdict(item) for item in items],
+        "seconds": parameters.seconds,
+        "seed": parameters.seed,
+        "workers": WORKERS,
+    }
+    answer = _answer(json.dumps(problem), limit or 2.0 * parameters.seconds + GRACE, shorter)
+    return [(int(item), float(rotation), np.array([x, y])) for item, rotation, x, y in answer]
+
+
+def _answer(problem: str, limit: float, shorter: Shorter) -> list[list[float]]:
+    """What the child says last; ended when its time is over."""
+    try:
+        child = subprocess.Popen(
+            [sys.executable, str(_CHILD)],
+            stdin=subprocess.PIPE, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+        )  # fmt: skip
+    except OSError as error:
+        raise EngineError(f"it could not be started: {error}") from error
+    late = threading.Event()
+    timer = threading.Timer(limit, lambda: (late.set(), child.kill()))
+    timer.start()
+    said: dict[str, object] = {}
+    try:
+        assert child.stdin is not None and child.stdout is not None
+        try:
+            child.stdin.write(problem)
+            child.stdin.close()
+        except BrokenPipeError:
+            pass  # it died; its status says how
+        for line in child.stdout:
+            said = json.loads(line)
+            if isinstance(length := said.get("length"), float):
+                shorter(length)
+    except json.JSONDecodeError:
+        said = {}
+    finally:
+        timer.cancel()
+        child.kill()
+        status = child.wait()
+        for stream in (child.stdin, child.stdout):
+            if stream is not None:
+                stream.close()
+    if late.is_set():
+        raise EngineError(f"it was still running after {limit:.0f} s")
+    if "error" in said:
+        raise EngineError(str(said["error"]))
+    placed = said.get("placed")
+    if not isinstance(placed, list):
+        raise EngineError(f"it died with status {status}")
+    return placed
