@@ -64,6 +64,8 @@ def build(
     workers: int | None = None,
     fit: Fit = run_patch,
     split: bool = False,
+    nest_again: bool = False,
+    final: bool = False,
 ) -> BuildResult:
     """Fit every patch of a project, lay the pieces out and write everything to the folder `out`.
 
@@ -73,6 +75,8 @@ def build(
         that may be used. Only the time depends on it.
     fit : what fits a patch.
     split : divide patches that can't be made, or wrinkle, by the best cut that is found (`auto_split`).
+    nest_again : do not use the layouts that an earlier build left in `out`.
+    final : give the nesting engine as long as for the layouts that are cut (`NestingParameters.final`).
 
     Raises
     ------
@@ -86,6 +90,8 @@ def build(
     if workers is not None and workers < 1:
         raise ValueError(f"workers must be at least 1, got {workers}")
     project = load_project(Path(project_file))
+    if final:
+        project = replace(project, nesting=project.nesting.final())
     # They start, which takes a second, while the network is made.
     with PatchFitter(project.limits, len(project.patches), workers, fit) as fitter:
         surface = make_surface(project)
@@ -98,8 +104,9 @@ def build(
                 seams = plan_seams(project, network)
             fitter.dismiss()
             pieces, results = _make_pieces(project, seams, results)
-            layouts, unlaid = _nest_all(project, pieces, read_stored(output.previous(STORED_LAYOUT)), progress)
-            named = dict(zip(_layout_files(layouts), layouts, strict=True))
+            stored = {} if nest_again else read_stored(output.previous(STORED_LAYOUT))
+            layouts, unlaid = _nest_all(project, pieces, stored, progress)
+            named = dict(zip(layout_files(layouts), layouts, strict=True))
             heights = _heights(results, surface, project.mirror)
             files = [*_write(output.staging, project, network, results, heights, pieces, named), REPORT]
             findings = [*project.findings, *unlaid]
@@ -234,7 +241,7 @@ def _heights(
     return heights
 
 
-def _layout_files(layouts: Sequence[Layout]) -> list[str]:
+def layout_files(layouts: Sequence[Layout]) -> list[str]:
     """A file name for every sheet, distinct whatever the materials are called."""
     titles = [
         f"layout-{layout.material.name}" + (f"-{layout.sheet}" if layout.sheet > 1 else "") for layout in layouts

@@ -7,7 +7,7 @@ import os
 import signal
 import sys
 import threading
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TextIO
 
@@ -15,15 +15,19 @@ from rich.console import Console
 from rich.progress import BarColumn, MofNCompleteColumn, Progress, TextColumn, TimeElapsedColumn
 
 from flatnet.build import BuildResult, build, check
+from flatnet.build import Progress as BuildProgress
 from flatnet.diagnosis import NoSuchPatchError, diagnose_project
 from flatnet.export.formats import EXPORTERS, export
 from flatnet.export.output import OutputError
 from flatnet.export.written_build import ExportError
+from flatnet.lay import LayError, lay
+from flatnet.nesting.instance import InstanceError
+from flatnet.parameters import FINAL_SECONDS, NestingParameters
 from flatnet.project import ProjectError
 from flatnet.report.build_files import BuildFilesError
 from flatnet.report.diagnosis_text import diagnosis_lines, ring_lines
 from flatnet.report.pictures import PictureError, draw, draw_diagnoses
-from flatnet.report.summary import counted, network_lines, summary_lines
+from flatnet.report.summary import counted, layout_lines, network_lines, summary_lines
 from flatnet.start import DrawingOptions, faces, new
 from flatnet.verify import NotABuildError, verify
 from flatnet.verify.certificate import FILE as CERTIFICATE
@@ -60,14 +64,20 @@ def main(arguments: Sequence[str] | None = None) -> int:
             return 0
         if options.command == "diagnose":
             return _diagnose(options.project, options.patch, options.picture, options.workers)
-        result = _build(options.project, options.out, options.workers, options.auto_split)
+        if options.command == "nest":
+            result = _nest(options)
+            _say("\n".join(layout_lines(result.report, result.folder)), sys.stdout)
+            return result.exit_status
+        result = _build(options)
         _say("\n".join(summary_lines(result.report, result.folder)), sys.stdout)
         return result.exit_status
     except ProjectError as error:
         written = "; nothing was written" if options.command == "build" else ""
         _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
-    except (OutputError, ExportError, BuildFilesError, PictureError, NoSuchPatchError, NotABuildError) as error:
+    except (
+        OutputError, ExportError, BuildFilesError, PictureError, NoSuchPatchError, NotABuildError, LayError, InstanceError
+    ) as error:
         _say(str(error), sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
@@ -115,6 +125,16 @@ def _parser() -> argparse.ArgumentParser:
                 "--auto-split", action="store_true", help="divide patches that fail or wrinkle by the best cut found"
             )
             _add_workers(command)
+            _add_nesting(command)
+    text = "lay out the pieces of one or several builds together, or a published nesting problem"
+    command = commands.add_parser("nest", help=text, description=text)
+    text = "output folder of a build, or one strip packing problem (JSON)"
+    command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=text)
+    command.add_argument("-o", "--out", type=Path, default=Path("layout"), help="output folder (default: layout)")
+    text = f"time of the engine for each sheet (default: {NestingParameters.seconds})"
+    command.add_argument("--seconds", type=_seconds, default=NestingParameters.seconds, metavar="N", help=text)
+    command.add_argument("--seed", type=int, default=NestingParameters.seed, metavar="N", help="of the engine")
+    _add_nesting(command)
     text = "try cuts on the patches that fail or wrinkle, and print the best ones ready to paste"
     command = commands.add_parser("diagnose", help=text, description=text)
     command.add_argument("project", type=Path, metavar="PROJECT.yaml")
@@ -158,6 +178,17 @@ def _parser() -> argparse.ArgumentParser:
 def _add_workers(command: argparse.ArgumentParser) -> None:
     most = "patches fitted at once (default: one for each core)"
     command.add_argument("--workers", type=_positive, metavar="N", help=most)
+
+
+def _add_nesting(command: argparse.ArgumentParser) -> None:
+    command.add_argument("--final", action="store_true", help=f"nest for {FINAL_SECONDS} s, for the layout that is cut")
+    command.add_argument("--nest-again", action="store_true", help="start over where a layout is stored in OUT")
+
+
+def _seconds(text: str) -> int:
+    if not text.isdecimal() or not 1 <= int(text) <= 3600:
+        raise argparse.ArgumentTypeError(f"expected whole seconds from 1 to 3600, got {text!r}")
+    return int(text)
 
 
 def _positive(text: str) -> int:
@@ -209,17 +240,32 @@ def _say_progress(text: str, done: int, total: int) -> None:
     _say(f"[{done}/{total}] {text}", sys.stderr)
 
 
-def _build(project: Path, out: Path, workers: int | None, split: bool) -> BuildResult:
-    """Build with a progress bar on a terminal, with plain lines elsewhere."""
+def _build(options: argparse.Namespace) -> BuildResult:
+    return _shown(
+        lambda progress: build(
+            options.project,
+            options.out,
+            progress,
+            options.workers,
+            split=options.auto_split,
+            nest_again=options.nest_again,
+            final=options.final,
+        )
+    )
+
+
+def _nest(options: argparse.Namespace) -> BuildResult:
+    parameters = NestingParameters(options.seconds, options.seed)
+    if options.final:
+        parameters = parameters.final()
+    return _shown(lambda progress: lay(options.sources, options.out, parameters, progress, options.nest_again))
+
+
+def _shown(work: Callable[[BuildProgress], BuildResult]) -> BuildResult:
+    """Work with a progress bar on a terminal, with plain lines elsewhere."""
     if sys.stderr is None or not sys.stderr.isatty():
-        return build(project, out, _say_progress, workers, split=split)
+        return work(_say_progress)
     columns = (TextColumn("{task.description}", markup=False), BarColumn(), MofNCompleteColumn(), TimeElapsedColumn())
     with Progress(*columns, console=Console(stderr=True), transient=True) as bar:
         task = bar.add_task("reading", total=None)
-        return build(
-            project,
-            out,
-            lambda text, done, total: bar.update(task, description=text, completed=done, total=total),
-            workers,
-            split=split,
-        )
+        return work(lambda text, done, total: bar.update(task, description=text, completed=done, total=total))

@@ -7,7 +7,7 @@ unit of length.
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 
@@ -122,6 +122,10 @@ class Limits:
         _check(self.memory, "memory", 300, 1_000_000_000)
 
 
+#: Seconds of the nesting engine for a layout that is cut; what it finds later saves little (docs/performance.md).
+FINAL_SECONDS = 60
+
+
 @dataclass(frozen=True)
 class NestingParameters:
     """How long and from which seed the nesting engine looks.
@@ -138,6 +142,10 @@ class NestingParameters:
     def __post_init__(self) -> None:
         _check(self.seconds, "seconds", 1, 3600)
         _check(self.seed, "seed", 0, 2**31 - 1)
+
+    def final(self) -> NestingParameters:
+        """With the time for a layout that is cut, where the engine is not given more."""
+        return replace(self, seconds=max(self.seconds, FINAL_SECONDS))
 
 
 #: Colours of lines by their meaning: a machine's software tells the operations apart by them.

@@ -80,7 +80,7 @@ def _write_page(
     lines = [part for line in title for part in textwrap.wrap(line, TITLE_LETTERS)]
     letter = min(max(TITLE_HEIGHT, TITLE_PART * size[0]), 4.0 * TITLE_HEIGHT)
     rows = seam_table(placements)
-    column = TABLE_HEIGHT * max(map(text_width, rows)) + MARGIN
+    column = TABLE_HEIGHT * max(map(text_width, rows), default=0.0) + MARGIN
     title_width = letter * max(map(text_width, lines))
     width = _rounded(max(size[0], TEST_SQUARE + title_width + 3.0 * MARGIN, column + MARGIN))
     columns = max(1, int((width - MARGIN) / column))  # the width is rounded

@@ -146,7 +146,12 @@ def _answer(problem: str, limit: float, shorter: Shorter) -> list[list[float]]:
     except OSError as error:
         raise EngineError(f"it could not be started: {error}") from error
     late = threading.Event()
-    timer = threading.Timer(limit, lambda: (late.set(), child.kill()))
+
+    def end() -> None:
+        late.set()
+        child.kill()
+
+    timer = threading.Timer(limit, end)
     timer.start()
     said: dict[str, object] = {}
     try:

@@ -7,9 +7,9 @@ from dataclasses import replace
 
 from flatnet.failure import Finding
 from flatnet.nesting.check import TOLERANCE, check_layouts
+from flatnet.nesting.engine import EngineError
 from flatnet.nesting.layout import Copy, Layout, Placement, copies_of
 from flatnet.nesting.orientation import too_large
-from flatnet.nesting.engine import EngineError
 from flatnet.nesting.roll import nest_on_roll
 from flatnet.nesting.rows import lay_in_rows
 from flatnet.nesting.stored import Stored, digest_of, restore
@@ -83,9 +83,9 @@ def _nested(
         return in_rows
 
     def lay(rest: Sequence[Copy]) -> list[Placement]:
-        text = f"{material.name}: nesting {len(rest)} copies for {parameters.seconds} s"
-        progress(text)
-        return nest_on_roll(rest, material, parameters, lambda part: progress(f"{text}, {100.0 * part:.1f} %"))
+        told = f"{material.name}: nesting {len(rest)} copies for {parameters.seconds} s"
+        progress(told)
+        return nest_on_roll(rest, material, parameters, lambda part: progress(f"{told}, {100.0 * part:.1f} %"))
 
     nested = _on_sheets(copies, material, lay)
     return min(nested, in_rows, key=lambda sheets: (len(sheets), sheets[-1].used_length))

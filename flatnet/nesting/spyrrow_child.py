@@ -10,7 +10,7 @@ import sys
 import threading
 
 #: At most so often a better length is told, s.
-PAUSE = 0.5
+PAUSE = 1.0
 
 
 def solve(problem: dict) -> dict:

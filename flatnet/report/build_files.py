@@ -16,6 +16,8 @@ from flatnet.export.obj import read_obj
 from flatnet.export.output import HEIGHTS, REPORT, REPORT_FORMAT
 from flatnet.fitting.results import Floats, Ints, SurfaceMesh
 
+NETWORK = "network.json"
+
 _Content = TypeVar("_Content")
 
 
@@ -43,7 +45,7 @@ class BuildFiles:
 
     Attributes
     ----------
-    report, network : report.json and network.json (docs/report.md).
+    report, network : report.json and network.json (docs/report.md); a folder of layouts alone has no curves.
     patches : those that were fitted, in the order of the report.
     sheets : file of a layout -> its pieces.
     """
@@ -80,7 +82,7 @@ def read_build(folder: Path) -> BuildFiles:
     heights = _read(folder / HEIGHTS, _object) if HEIGHTS in files else {}
     return BuildFiles(
         report=report,
-        network=_read(folder / "network.json", _object),
+        network=_read(folder / NETWORK, _object) if NETWORK in files else {"curves": []},
         patches=tuple(
             _patch(folder / "patches", name, file, heights.get(name))
             for name, file in names.items()

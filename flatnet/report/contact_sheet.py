@@ -104,13 +104,16 @@ def _add_panel(figure: Figure, panel: Panel, left: float, top: float, height: fl
 
 
 def _add_head(figure: Figure, build: BuildFiles) -> None:
-    """Title, figures, what failed, and the colour bar."""
+    """Title and figures, and of patches what failed, and the colour bar."""
     page = figure.get_size_inches()
     left, right, top = MARGIN / page[0], 1.0 - MARGIN / page[0], 1.0 - MARGIN / page[1]
     records = build.report["patches"]
     failed = [record["name"] for record in records if record["status"] != "ok"]
     vertices = sum(len(patch.mesh.vertices) for patch in build.patches)
     figures = f"{len(records)} patch{'es' * (len(records) != 1)} · {vertices:,} vertices"
+    if not records:
+        copies = sum(len(layout["pieces"]) for layout in build.report["layouts"])
+        figures = f"{copies} piece{'s' * (copies != 1)}"
     if build.patches:
         worst = max(patch.mesh.max_flattenability for patch in build.patches)
         figures += f" · worst flattenability {worst:.0e} rad"
@@ -120,6 +123,8 @@ def _add_head(figure: Figure, build: BuildFiles) -> None:
     if failed:
         text = textwrap.shorten(f"{len(failed)} FAILED: {', '.join(failed)}", 170, placeholder=" ...")
         figure.text(left, top - 0.58 / page[1], text, fontsize=9, va="top", color="#b00020", weight="bold")
+    if not records:
+        return
     bar = figure.add_axes((right - 3.1 / page[0], top - 0.2 / page[1], 3.0 / page[0], 0.14 / page[1]))
     colours = ScalarMappable(Normalize(0.0, RED), COLOURS)
     ticks = np.linspace(0.0, RED, 5)

@@ -75,7 +75,8 @@ def panels_of(build: BuildFiles) -> list[Panel]:
     """All panels of a build; those seen from the same direction have the same scale and place."""
     curves, layouts = build.network["curves"], build.report["layouts"]
     if not build.patches:
-        return [network_panel(curves, FROM_THE_FRONT), *(layout_panel(build, record) for record in layouts)]
+        drawn = [network_panel(curves, FROM_THE_FRONT)] if curves else []
+        return [*drawn, *(layout_panel(build, record) for record in layouts)]
     warped = Surface.of([patch.warped for patch in build.patches])
     fitted = Surface.of([patch.mesh for patch in build.patches], [patch.flat for patch in build.patches])
     limit = max((record.get("metrics") or {}).get("strain_limit", 0.0) for record in build.report["patches"])
@@ -224,7 +225,9 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
             [line for piece in pieces for line in piece.lines.get(kind, [])]
             for kind in ("cut", "sew", "notch", "internal", "grain")
         )
-        mesh = [edge for piece in pieces for edge in _flat_edges(piece, patches[piece.patch])]
+        mesh = [
+            edge for piece in pieces if piece.patch in patches for edge in _flat_edges(piece, patches[piece.patch])
+        ]
         axes.add_collection(
             PolyCollection(cut, facecolors="white", edgecolors=STROKES["cut"], linewidths=0.8)
         )

@@ -58,7 +58,7 @@ def make_report(
         "patches": patches,
         "seams": seam_records(network, seams, fitted),
         "seam_walk": walk_records(network, seams, fitted),
-        "layouts": [_layout_record(file, layout) for file, layout in layouts.items()],
+        "layouts": [layout_record(file, layout) for file, layout in layouts.items()],
         "findings": [finding.as_dict() for finding in findings],
         "openings": {name: [list(loop) for loop in loops] for name, loops in network.openings.items()},
         "euler_characteristics": list(network.euler_characteristics),
@@ -110,7 +110,8 @@ def _failed_record(failed: FailedPatch) -> dict[str, object]:
     }
 
 
-def _layout_record(file: str, layout: Layout) -> dict[str, object]:
+def layout_record(file: str, layout: Layout) -> dict[str, object]:
+    """A sheet as report.json has it."""
     return {
         "file": file,
         "material": layout.material.name,

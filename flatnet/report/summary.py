@@ -23,15 +23,26 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
         lines += [f"{seam['curve']}: warning {_told(warning)}" for warning in seam["warnings"]]
     lines += _walk_lines(report["seam_walk"])
     lines += _warnings([finding for finding in report["findings"] if not finding["patch"]])
-    for layout in report["layouts"]:
-        lines.append(
-            f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {layout['sheet_width_mm']:g} x "
-            f"{layout['used_length_mm']:.0f} mm, {100 * layout['utilisation']:.1f} % used"
-            + (" (draft)" if layout["draft"] else "")
-        )
+    lines += [_sheet_line(layout, folder) for layout in report["layouts"]]
     made = sum(patch["status"] == "ok" for patch in report["patches"])
     lines.append(f"{report['status']}: {made} of {len(report['patches'])} patches made; {folder / 'report.json'}")
     return lines
+
+
+def layout_lines(report: dict[str, Any], folder: Path) -> list[str]:
+    """What could not be laid, then the layouts, of a report of layouts alone."""
+    lines = [f"{finding['patch']}: FAILED {_told(finding)}" for finding in report["findings"] if finding["patch"]]
+    lines += _warnings([finding for finding in report["findings"] if not finding["patch"]])
+    lines += [_sheet_line(layout, folder) for layout in report["layouts"]]
+    return [*lines, f"{report['status']}: {folder / 'report.json'}"]
+
+
+def _sheet_line(layout: dict[str, Any], folder: Path) -> str:
+    return (
+        f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {layout['sheet_width_mm']:g} x "
+        f"{layout['used_length_mm']:.0f} mm, {100 * layout['utilisation']:.1f} % used"
+        + (" (draft)" if layout["draft"] else "")
+    )
 
 
 def _patch_line(patch: dict[str, Any], width: int) -> str:

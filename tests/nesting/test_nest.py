@@ -8,8 +8,8 @@ import shapely
 from pieces import LETTER_F, SQUARE, blob, cloth, piece
 
 from flatnet.nesting import Layout, Placement, check_layouts, nest, read_stored, write_stored
-from flatnet.nesting.layout import copies_of, turn
 from flatnet.nesting.engine import EngineError, Item, Strip, run_engine
+from flatnet.nesting.layout import copies_of, turn
 from flatnet.nesting.roll import nest_on_roll
 from flatnet.nesting.rows import lay_in_rows
 from flatnet.parameters import NestingParameters

@@ -1,0 +1,134 @@
+"""Pieces of builds that were written, or of a published nesting problem, in; one folder of layouts out."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Sequence
+from dataclasses import replace
+from functools import partial
+from pathlib import Path
+
+from flatnet.build import STORED_LAYOUT, BuildResult, Progress, layout_files
+from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder
+from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
+from flatnet.export.svg import write_layout
+from flatnet.failure import Finding
+from flatnet.nesting.instance import read_instance
+from flatnet.nesting.layout import Layout
+from flatnet.nesting.nest import nest
+from flatnet.nesting.stored import read_stored, write_stored
+from flatnet.parameters import NestingParameters
+from flatnet.pattern.piece import Piece
+from flatnet.project.model import Material
+from flatnet.report.report import layout_record, status
+from flatnet.version import VERSION
+
+
+class LayError(Exception):
+    """What was named can't be laid together; the message says why."""
+
+
+def lay(
+    sources: Sequence[str | Path],
+    out: str | Path,
+    parameters: NestingParameters,
+    progress: Progress = lambda *_: None,
+    again: bool = False,
+) -> BuildResult:
+    """Lay the pieces of all sources out, those of one material together, and write the layouts to the folder `out`.
+
+    Parameters
+    ----------
+    sources : output folders of builds; or one file with a strip packing problem (JSON).
+    again : do not use the layouts that an earlier run left in `out`.
+
+    Raises
+    ------
+    LayError, InstanceError
+        A source holds no pieces, or two of them have different materials of one name; nothing is written.
+    OutputError
+        The folder can't be used or written.
+    """
+    title, pieces, materials = _read([Path(source) for source in sources])
+    layouts: list[Layout] = []
+    findings: list[Finding] = []
+    with OutputFolder(Path(out)) as output:
+        stored = {} if again else read_stored(output.previous(STORED_LAYOUT))
+        for done, material in enumerate(materials):
+            of_material = [piece for piece in pieces if piece.material == material.name]
+            told = partial(_told, progress, done, len(materials))
+            made, found = nest(of_material, material, parameters, stored, told)
+            layouts += made
+            findings += found
+        named = dict(zip(layout_files(layouts), layouts, strict=True))
+        for file, layout in named.items():
+            missing = {finding.patch for finding in findings if finding.patch}
+            wanted = [piece.name for piece in pieces if piece.material == layout.material.name]
+            write_layout(output.staging / file, layout, title, [name for name in wanted if name in missing])
+        write_stored(output.staging / STORED_LAYOUT, layouts)
+        files = sorted([*named, STORED_LAYOUT, REPORT])
+        report = _report(title, pieces, named, findings, files)
+        (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+        output.commit(files)
+    return BuildResult(output.folder, report)
+
+
+def _told(progress: Progress, done: int, total: int, text: str) -> None:
+    progress(text, done, total)
+
+
+def _report(
+    title: str,
+    pieces: Sequence[Piece],
+    layouts: dict[str, Layout],
+    findings: Sequence[Finding],
+    files: Sequence[str],
+) -> dict[str, object]:
+    """As a build's, of layouts alone."""
+    not_laid = {finding.patch for finding in findings if finding.patch}
+    return {
+        "format": REPORT_FORMAT,
+        "flatnet": VERSION,
+        "project": title,
+        "status": status([piece.name not in not_laid for piece in pieces], bool(layouts)),
+        "patches": [],
+        "seams": [],
+        "layouts": [layout_record(file, layout) for file, layout in layouts.items()],
+        "findings": [finding.as_dict() for finding in findings],
+        "files": list(files),
+    }
+
+
+def _read(sources: Sequence[Path]) -> tuple[str, list[Piece], list[Material]]:
+    """Title, pieces of distinct names, and their materials."""
+    if len(sources) == 1 and not sources[0].is_dir():
+        pieces, material = read_instance(sources[0])
+        return material.name, pieces, [material]
+    builds = [_read_build(source) for source in sources]
+    materials: dict[str, Material] = {}
+    for source, build in zip(sources, builds):
+        for name in dict.fromkeys(piece.material for piece in build.pieces.values()):
+            known = materials.setdefault(name, build.materials[name])
+            if known != build.materials[name]:
+                raise LayError(
+                    f"{source}: its material '{name}' is another than that of the folders before it; pieces are laid "
+                    "together where width, length, rotations, gap and allowance are the same"
+                )
+    titles = [build.title for build in builds]
+    prefixes = [title if titles.count(title) == 1 else f"{title} {at}" for at, title in enumerate(titles, 1)]
+    pieces = [
+        piece if len(builds) == 1 else replace(piece, name=f"{prefix}: {piece.name}")
+        for prefix, build in zip(prefixes, builds)
+        for piece in build.pieces.values()
+    ]
+    return " + ".join(dict.fromkeys(titles)), pieces, list(materials.values())
+
+
+def _read_build(folder: Path) -> PieceFile:
+    file = folder / PIECES
+    try:
+        return read_pieces(file)
+    except OSError as error:
+        raise LayError(f"{file}: can't be read: {error.strerror}; name the output folder of a build") from None
+    except ValueError as error:
+        raise LayError(f"{file}: {error}; build again") from None

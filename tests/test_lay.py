@@ -1,0 +1,149 @@
+"""`flatnet nest`: pieces of builds and of published problems, laid together."""
+
+import json
+
+import numpy as np
+import pytest
+import shapely
+from pieces import LETTER_F, SQUARE, cloth, piece
+from written import read_report
+
+from flatnet.cli import main
+from flatnet.export.drawn_layout import read_layout
+from flatnet.export.pieces_json import PieceFile, write_pieces
+from flatnet.lay import LayError, lay
+from flatnet.nesting.instance import InstanceError, read_instance
+from flatnet.parameters import FINAL_SECONDS, NestingParameters
+
+QUICK = NestingParameters(seconds=1)
+
+
+def problem(**changes):
+    closed = [*LETTER_F.tolist(), LETTER_F[0].tolist()]
+    item = {"id": 7, "demand": 3, "allowed_orientations": [0.0, 180.0]}
+    item["shape"] = {"type": "simple_polygon", "data": closed}
+    return {"name": "letters", "items": [item], "strip_height": 210.0, **changes}
+
+
+@pytest.fixture
+def instance(tmp_path):
+    file = tmp_path / "letters.json"
+    file.write_text(json.dumps(problem()))
+    return file
+
+
+def test_a_problem_is_read_and_its_strip_is_a_metre_wide_at_least(instance):
+    (letter,), material = read_instance(instance)
+    assert (letter.name, letter.cut, letter.mirrored) == ("item_7", 3, 0)
+    assert (material.name, material.width, material.rotations) == ("letters", 2100.0, (0.0, 180.0))
+    assert letter.area == pytest.approx(100.0 * shapely.Polygon(LETTER_F).area, rel=1e-12)
+
+
+BOW_TIE = [[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]
+
+
+@pytest.mark.parametrize(
+    ("content", "words"),
+    [
+        ("{", "can't be read"),
+        ("[]", "no strip packing problem"),
+        (json.dumps(problem(strip_height=0)), "must be larger than 0"),
+        (json.dumps({"name": "x", "strip_height": 1}), "KeyError: 'items'"),
+        (json.dumps(problem()).replace("simple_polygon", "disk"), "expected a 'simple_polygon', got 'disk'"),
+        (json.dumps(problem()).replace("[0.0, 0.0]", "[0.0, NaN]"), "item_7: its outline is not a list"),
+        (
+            json.dumps(
+                problem(items=[{"id": 1, "demand": 1, "shape": {"type": "simple_polygon", "data": BOW_TIE}}])
+            ),
+            "item_1: its outline is not simple",
+        ),
+    ],
+)
+def test_what_is_no_problem_is_told(tmp_path, content, words, capsys):
+    file = tmp_path / "bad.json"
+    file.write_text(content)
+    with pytest.raises(InstanceError, match=words):
+        read_instance(file)
+    assert main(["nest", str(file), "-o", str(tmp_path / "out")]) == 2
+    assert words in capsys.readouterr().err
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_problem_is_laid_written_and_kept(instance, tmp_path, capsys):
+    out = tmp_path / "out"
+    command = ["nest", str(instance), "-o", str(out), "--seconds", "1"]
+    assert main(command) == 0
+    said = capsys.readouterr()
+    assert "3 pieces on 2100 x" in said.out and "% used" in said.out
+    assert "nesting 3 copies for 1 s" in said.err
+    (record,) = read_report(out)["layouts"]
+    pieces = read_layout(out / record["file"])
+    outlines = [shapely.Polygon(drawn.lines["cut"][0]) for drawn in pieces]
+    assert len(outlines) == 3
+    assert shapely.union_all(outlines).area == pytest.approx(3 * 100.0 * shapely.Polygon(LETTER_F).area, rel=1e-5)
+    # Two letters side by side across 210, the third behind them, or better.
+    assert record["used_length_mm"] <= 1800.0 + 1.0
+    layout = (out / record["file"]).read_bytes()
+    assert main(command) == 0
+    assert "the layout is unchanged" in capsys.readouterr().err
+    assert (out / record["file"]).read_bytes() == layout
+    assert main([*command, "--nest-again"]) == 0
+    assert "unchanged" not in capsys.readouterr().err
+
+
+def test_final_is_never_less_than_what_was_asked():
+    assert NestingParameters(seconds=5, seed=3).final() == NestingParameters(FINAL_SECONDS, 3)
+    assert NestingParameters(seconds=2 * FINAL_SECONDS).final().seconds == 2 * FINAL_SECONDS
+
+
+def written_build(folder, outline, project, size, material):
+    folder.mkdir()
+    made = piece(outline, material, name="front", cut=1, mirrored=1)
+    write_pieces(folder / "pieces.json", PieceFile(project, size, {material.name: material}, {"front": made}))
+    return folder
+
+
+def test_two_sizes_are_laid_together(tmp_path):
+    material = cloth(width=450.0, gap=2.0, allowance=5.0)
+    builds = [
+        written_build(tmp_path / size, factor * LETTER_F, "letters", size, material)
+        for size, factor in (("S", 1.0), ("L", 1.4))
+    ]
+    result = lay(builds, tmp_path / "out", QUICK)
+    assert result.exit_status == 0
+    (record,) = result.report["layouts"]
+    placed = {(entry["patch"], entry["mirrored"]) for entry in record["pieces"]}
+    sizes = ("letters · S: front", "letters · L: front")
+    assert placed == {(name, mirrored) for name in sizes for mirrored in (False, True)}
+    assert result.report["project"] == "letters · S + letters · L"
+    # What was read back from the files is what was drawn: the same outline, allowance and all.
+    pieces = read_layout(tmp_path / "out" / record["file"])
+    (drawn,) = [p.lines["cut"][0] for p in pieces if (p.patch, p.mirrored) == (sizes[1], True)]
+    expected = piece(1.4 * LETTER_F, material).area
+    assert shapely.Polygon(drawn).area == pytest.approx(expected, rel=1e-5)
+
+
+def test_builds_of_different_materials_of_one_name_are_refused(tmp_path):
+    first = written_build(tmp_path / "a", SQUARE, "a", "", cloth(width=450.0))
+    second = written_build(tmp_path / "b", SQUARE, "b", "", cloth(width=460.0))
+    with pytest.raises(LayError, match="its material 'cloth' is another than"):
+        lay([first, second], tmp_path / "out", QUICK)
+    assert not (tmp_path / "out").exists()
+
+
+def test_a_folder_without_pieces_is_told(tmp_path, capsys):
+    assert main(["nest", str(tmp_path), "-o", str(tmp_path / "out")]) == 2
+    assert "name the output folder of a build" in capsys.readouterr().err
+
+
+def test_a_piece_that_does_not_fit_fails_and_the_others_are_laid(tmp_path):
+    material = cloth(width=120.0)
+    builds = [
+        written_build(tmp_path / "small", SQUARE, "small", "", material),
+        written_build(tmp_path / "large", np.array(2.0 * SQUARE), "large", "", material),
+    ]
+    result = lay(builds, tmp_path / "out", QUICK)
+    assert result.exit_status == 1 and result.report["status"] == "partial"
+    (finding,) = result.report["findings"]
+    assert (finding["code"], finding["patch"]) == ("sheet_too_small", "large: front")
+    assert "missing large: front" in (tmp_path / "out" / "layout-cloth.svg").read_text()
