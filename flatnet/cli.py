@@ -35,6 +35,17 @@ from flatnet.verify.table import table
 from flatnet.version import VERSION
 
 EXIT_INVALID, EXIT_INTERRUPTED = 2, 130
+#: What a command refuses to do; their texts are for people.
+REFUSALS = (
+    OutputError,
+    ExportError,
+    BuildFilesError,
+    PictureError,
+    NoSuchPatchError,
+    NotABuildError,
+    LayError,
+    InstanceError,
+)
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
@@ -75,9 +86,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         written = "; nothing was written" if options.command == "build" else ""
         _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
-    except (
-        OutputError, ExportError, BuildFilesError, PictureError, NoSuchPatchError, NotABuildError, LayError, InstanceError
-    ) as error:
+    except REFUSALS as error:
         _say(str(error), sys.stderr)
         return EXIT_INVALID
     except KeyboardInterrupt:
