@@ -7,7 +7,7 @@ well it does against the paper's algorithm.
 
 from __future__ import annotations
 
-from dataclasses import asdict
+from dataclasses import asdict, dataclass, replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,7 +26,7 @@ from flatnet.geometry.angle_sums import AngleSums
 from flatnet.geometry.triangles import edge_lengths, hinge_angles, hinges_of, vertex_normals
 from flatnet.network.patch import BoundaryCurve
 from flatnet.parameters import FairParameters
-from flatnet.solvers.constrained_descent import solve
+from flatnet.solvers.constrained_descent import CONVERGED, solve
 from flatnet.solvers.mesh_cholesky import BlockSum, MeshLayout, MeshMatrix
 
 Floats = NDArray[np.float64]
@@ -36,6 +36,8 @@ Ints = NDArray[np.int64]
 #: The penalty of the one soft step of a mesh that is carried over: `ramp_end` times the vertices over this. c of one
 #: and the same curvature falls with the area of a vertex.
 REFIT_VERTICES = 70.0
+#: A fit is rough where max |c| is below this, rad: near enough to be unfolded and meshed anew.
+ROUGH = 1e-3
 #: Height of the bump that takes M^0 off a symmetric state, in mean edges.
 BUMP = 0.1
 
@@ -118,44 +120,92 @@ class FlattenableProblem:
         return self._gram_sum(rows, [np.ones(len(ids)) for ids, _ in self._stars])
 
 
+@dataclass(frozen=True, eq=False)
+class RoughFit:
+    """A mesh on its way: c within `ROUGH` where it `arrived`; `finished` goes on from there.
+
+    Attributes
+    ----------
+    mesh : M as far as it is made.
+    planar : M^p, the mesh that it is fitted on.
+    x : the unknowns of `problem`; `taken` : the steps of phases B and C on it.
+    """
+
+    mesh: FlattenableMesh
+    planar: PlanarMesh
+    boundary: BoundaryCurve
+    parameters: FairParameters
+    problem: FlattenableProblem
+    x: Floats
+    taken: int
+
+    @property
+    def arrived(self) -> bool:
+        return self.mesh.status == CONVERGED
+
+    def finished(self) -> FlattenableMesh:
+        """M, flattenable to `parameters.tolerance` where it converges; as it is where it has not even arrived."""
+        if not self.arrived:
+            return self.mesh
+        result = solve(
+            self.problem,
+            self.x,
+            ramp=np.empty(0),
+            tolerance=self.parameters.tolerance,
+            max_steps=max(self.parameters.max_steps - self.taken, 1),
+        )
+        vertices = _in_space(result.x, self.planar, self.boundary)
+        return replace(self.mesh, vertices=vertices, status=result.status, steps=self.mesh.steps + result.steps)
+
+
 def fit_fair(
     warped: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
 ) -> FlattenableMesh:
     """M from M^0: interpolates B exactly, flattenable to `parameters.tolerance` where it converges."""
-    ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
-    return _fitted(_off_symmetry(warped, planar, BUMP * planar.mean_edge), boundary, planar, parameters, ramp)
+    return roughly_fit(warped, boundary, planar, parameters).finished()
 
 
 def refit_fair(
     carried: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
 ) -> FlattenableMesh:
-    """M from a mesh that is smooth and nearly M already: one stiff step, where a ramp would undo it."""
+    """M from a mesh that is smooth and nearly M already."""
+    return roughly_refit(carried, boundary, planar, parameters).finished()
+
+
+def roughly_fit(
+    warped: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
+) -> RoughFit:
+    """From M^0 by a soft ramp."""
+    ramp = np.geomspace(parameters.ramp_start, parameters.ramp_end, parameters.ramp_steps)
+    return _roughly(_off_symmetry(warped, planar, BUMP * planar.mean_edge), boundary, planar, parameters, ramp)
+
+
+def roughly_refit(
+    carried: WarpedMesh, boundary: BoundaryCurve, planar: PlanarMesh, parameters: FairParameters
+) -> RoughFit:
+    """From a mesh that is smooth and nearly M already: one stiff step, where a ramp would undo it."""
     ramp = np.array([parameters.ramp_end * len(carried.vertices) / REFIT_VERTICES])
-    return _fitted(carried.vertices, boundary, planar, parameters, ramp)
+    return _roughly(carried.vertices, boundary, planar, parameters, ramp)
 
 
-def _fitted(
+def _roughly(
     start: Floats,
     boundary: BoundaryCurve,
     planar: PlanarMesh,
     parameters: FairParameters,
     ramp: Floats,
-) -> FlattenableMesh:
-    """M from the vertices `start`, (m, 3) mm, of M^p's triangles."""
+) -> RoughFit:
+    """From the vertices `start`, (m, 3) mm, of M^p's triangles."""
     scale = planar.mean_edge
-    centre = boundary.vertices.mean(axis=0)
     problem = FlattenableProblem(
         planar.positions / scale, planar.triangles, planar.boundary_count, parameters, boundary.min_angles
     )
     ghosts = ghost_vertices(boundary.vertices, boundary.normals)
-    x = (np.concatenate([start, ghosts]) - centre) / scale
-    result = solve(
-        problem, x.ravel(), ramp=ramp, tolerance=parameters.tolerance, max_steps=parameters.max_steps
-    )
-    vertices = result.x.reshape(-1, 3)[: len(start)] * scale + centre
-    vertices[: planar.boundary_count] = boundary.vertices
-    return FlattenableMesh(
-        vertices,
+    x = (np.concatenate([start, ghosts]) - boundary.vertices.mean(axis=0)) / scale
+    rough = max(ROUGH, parameters.tolerance)
+    result = solve(problem, x.ravel(), ramp=ramp, tolerance=rough, max_steps=parameters.max_steps, rough=True)
+    mesh = FlattenableMesh(
+        _in_space(result.x, planar, boundary),
         planar.triangles,
         planar.boundary_count,
         method="fair",
@@ -163,6 +213,14 @@ def _fitted(
         status=result.status,
         steps=result.steps,
     )
+    return RoughFit(mesh, planar, boundary, parameters, problem, result.x, result.steps - len(ramp))
+
+
+def _in_space(x: Floats, planar: PlanarMesh, boundary: BoundaryCurve) -> Floats:
+    """The vertices, (m, 3) mm, of the unknowns x; those of the boundary are B's to the last bit."""
+    vertices = x.reshape(-1, 3)[: len(planar.positions)] * planar.mean_edge + boundary.vertices.mean(axis=0)
+    vertices[: planar.boundary_count] = boundary.vertices
+    return vertices
 
 
 def _off_symmetry(warped: WarpedMesh, planar: PlanarMesh, height: float) -> Floats:

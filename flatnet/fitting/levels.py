@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from flatnet.failure import PatchFailure
-from flatnet.fitting.fair import fit_fair, refit_fair
+from flatnet.fitting.fair import RoughFit, roughly_fit, roughly_refit
 from flatnet.fitting.remesh import carried_over, flat_boundary, rest_strain
 from flatnet.fitting.results import FlattenableMesh, PlanarBoundary, PlanarMesh, WarpedMesh
 from flatnet.fitting.tessellation import tessellate
@@ -52,15 +52,17 @@ def fit_in_levels(
     coarse = _coarse_start(planar, planar_boundary, patch)
     if coarse is not None:
         coarse_planar, coarse_warped, lengths = coarse
-        mesh = _found(coarse_warped, coarse_planar, lengths[0], planar_boundary, patch, parameters)
+        fits = _rounds(coarse_warped, coarse_planar, lengths[0], planar_boundary, patch, parameters)
+        finer: RoughFit | None = fits[-1]
         for length in lengths[1:]:
-            finer = _on_fresh_mesh(mesh, length, planar_boundary, patch, parameters)
-            if finer is None:
-                break
-            mesh, _ = finer
-        else:
-            return mesh
-    return _found(warped, planar, patch.edge_length, planar_boundary, patch, parameters)
+            finer = _on_fresh_mesh(finer, length, planar_boundary, patch) if finer is not None else None
+        if finer is not None:
+            mesh = finer.finished()
+            if mesh.status == CONVERGED:
+                return mesh
+    fits = _rounds(warped, planar, patch.edge_length, planar_boundary, patch, parameters)
+    mesh = fits[-1].finished()
+    return mesh if mesh.status == CONVERGED else fits[0].finished()
 
 
 def _coarse_start(
@@ -78,26 +80,27 @@ def _coarse_start(
     return coarse, warp(coarse, patch.boundary), lengths
 
 
-def _found(
+def _rounds(
     warped: WarpedMesh,
     planar: PlanarMesh,
     edge_length: float,
     planar_boundary: PlanarBoundary,
     patch: Patch,
     parameters: FairParameters,
-) -> FlattenableMesh:
-    """M from M^0, meshed anew as long as it is far from the mesh it was found on."""
-    best = mesh = fit_fair(warped, patch.boundary, planar, parameters)
+) -> list[RoughFit]:
+    """From M^0, meshed anew as long as M is far from the mesh it was found on; the last is the one to take."""
+    fit = roughly_fit(warped, patch.boundary, planar, parameters)
+    fits = [fit]
     for _ in range(parameters.remesh_rounds):
-        if mesh.status != CONVERGED or rest_strain(planar, mesh) <= REMESH_STRAIN:
+        if not fit.arrived or rest_strain(fit.planar, fit.mesh) <= REMESH_STRAIN:
             break
-        again = _on_fresh_mesh(mesh, edge_length, planar_boundary, patch, parameters)
+        again = _on_fresh_mesh(fit, edge_length, planar_boundary, patch)
         if again is None:
             break
-        mesh, planar = again
-        if _smallest_angle(mesh) >= THIN or _smallest_angle(best) < THIN:
-            best = mesh
-    return replace(best, steps=mesh.steps)
+        fit = again
+        if _smallest_angle(fit.mesh) >= THIN or _smallest_angle(fits[-1].mesh) < THIN:
+            fits.append(fit)
+    return fits
 
 
 def _smallest_angle(mesh: FlattenableMesh) -> float:
@@ -108,22 +111,19 @@ def _smallest_angle(mesh: FlattenableMesh) -> float:
 
 
 def _on_fresh_mesh(
-    mesh: FlattenableMesh,
-    edge_length: float,
-    planar_boundary: PlanarBoundary,
-    patch: Patch,
-    parameters: FairParameters,
-) -> tuple[FlattenableMesh, PlanarMesh] | None:
+    fit: RoughFit, edge_length: float, planar_boundary: PlanarBoundary, patch: Patch
+) -> RoughFit | None:
     """M on a new tessellation of its own flat outline; None where that can't be made flattenable."""
-    if mesh.status != CONVERGED:
+    if not fit.arrived:
         return None
+    mesh = fit.mesh
     try:
         flat = unfold(mesh)
         planar = tessellate(flat_boundary(flat, planar_boundary), edge_length)
     except PatchFailure:  # the flat outline crosses itself
         return None
-    carried = carried_over(mesh, flat, planar, parameters.normal_weight)
-    again = refit_fair(carried, patch.boundary, planar, parameters)
-    if again.status != CONVERGED:
+    carried = carried_over(mesh, flat, planar, fit.parameters.normal_weight)
+    again = roughly_refit(carried, patch.boundary, planar, fit.parameters)
+    if not again.arrived:
         return None
-    return replace(again, steps=mesh.steps + again.steps), planar
+    return replace(again, mesh=replace(again.mesh, steps=mesh.steps + again.mesh.steps))

@@ -24,8 +24,9 @@ Ints = NDArray[np.int64]
 
 #: Gauss-Newton steps at the most; three do where the mesh is flattenable.
 MAX_STEPS = 20
-#: The steps end when the largest change of an edge's strain falls below this.
-SETTLED = 1e-14
+#: The steps end when the largest change of an edge's strain falls below this, or below this part of the largest strain:
+#: a mesh that is not quite flattenable keeps some.
+SETTLED, SETTLED_PART = 1e-14, 1e-2
 
 
 def unfold(mesh: SurfaceMesh) -> Floats:
@@ -118,7 +119,8 @@ def _polish(flat: Floats, mesh: SurfaceMesh) -> Floats:
         jacobian = csr_matrix((data.ravel(), (rows, unknowns.ravel())), shape=(len(edges), 2 * len(flat)))
         step = factored(jacobian.T @ jacobian + hold).solve(-(jacobian.T @ strain))
         flat = flat + step.reshape(-1, 2)
-        if np.abs(edge_lengths(flat, edges) / lengths - 1.0 - strain).max() < SETTLED:
+        left = edge_lengths(flat, edges) / lengths - 1.0
+        if np.abs(left - strain).max() < max(SETTLED, SETTLED_PART * np.abs(left).max()):
             break
     return flat
 

@@ -34,6 +34,9 @@ TAIL_GOAL = 0.1
 FULL_STEPS, SETTLED = 8, 2e-3
 #: A step must bring |c|^2 down to (1 - SUFFICIENT a) of itself, a the part of the normal step that is taken.
 SUFFICIENT = 0.2
+#: The metric of the tail is kept while its steps are shorter than this, in mean edges; the factor of a step is used
+#: again as long as that brings c down to this part of itself.
+SHORT_STEP, CHORD = 0.05, 0.2
 #: How often a step is cut before it is given up.
 CUTS = 4
 #: Heights of the kicks, in mean edges, each tried where the one before led to no solution.
@@ -86,15 +89,16 @@ def longest(step: Floats) -> float:
 
 
 def solve(
-    problem: Problem, x: Floats, *, ramp: Floats, tolerance: float, max_steps: int
+    problem: Problem, x: Floats, *, ramp: Floats, tolerance: float, max_steps: int, rough: bool = False
 ) -> Result:
     """Run phases A, B and C from x.
 
     Parameters
     ----------
-    ramp : the penalties rho of phase A, one step each.
+    ramp : the penalties rho of phase A, one step each; none goes on from where x is.
     tolerance : max |c| to reach.
     max_steps : most steps of B and C together.
+    rough : end as soon as c is within the tolerance, whether E has settled or not.
     """
     state = _State(x.copy())
     if not len(problem.constraint(x)):
@@ -105,8 +109,8 @@ def solve(
         for number, height in enumerate((0.0, *KICKS)):
             if number:
                 state.x = state.x + height * problem.kick(state.x, number)
-            _tangential_and_normal_steps(problem, state, limit)
-            status = _newton_tail(problem, state, tolerance, limit)
+            _tangential_and_normal_steps(problem, state, limit, tolerance if rough else 0.0)
+            status = _newton_tail(problem, state, tolerance, limit, tolerance if rough else TAIL_GOAL * tolerance)
             if status != "stalled":
                 break
     except SingularMetricError:
@@ -152,12 +156,15 @@ def _tangential_step(factor: MeshFactor, gradient: Floats, jacobian: csr_matrix,
     return factor.solve(-(gradient + beta * (jacobian.T @ (jacobian @ step))))
 
 
-def _tangential_and_normal_steps(problem: Problem, state: _State, limit: int) -> None:
-    """B: one factorisation a step; leaves when c falls in full steps or E has settled."""
+def _tangential_and_normal_steps(problem: Problem, state: _State, limit: int, enough: float) -> None:
+    """B: one factorisation a step; leaves when c falls in full steps, E has settled or max |c| is `enough`."""
     beta, reach, full_steps = BETA, TANGENT_STEP, 0
     energy = problem.energy(state.x)
     while full_steps < FULL_STEPS and state.steps < limit:
-        c, jacobian = problem.constraint(state.x), problem.jacobian(state.x)
+        c = problem.constraint(state.x)
+        if np.abs(c).max() <= enough:
+            return
+        jacobian = problem.jacobian(state.x)
         gradient, metric = problem.gradient_and_metric(state.x)
         factor = _factor(metric, problem.gram(jacobian), beta)
         state.steps += 1
@@ -214,25 +221,30 @@ def _acceptable(c: Floats, c_new: Floats, part: float, energy: float, energy_new
     return after <= 0.5 * before or (small and energy_new < energy)
 
 
-def _newton_tail(problem: Problem, state: _State, tolerance: float, limit: int) -> str:
+def _newton_tail(problem: Problem, state: _State, tolerance: float, limit: int, goal: float) -> str:
     """C: Newton steps on c alone in the metric H, with doubled steps where c is flat (double roots).
 
-    Ends at TAIL_GOAL of the tolerance, or within the tolerance where a step no longer halves c.
+    Ends at max |c| <= `goal`, or within the tolerance where a step no longer halves c. H stays as long as the steps are
+    short: it says which of many steps is taken, not where c is 0.
     """
     beta = TAIL_BETA
+    metric: MeshMatrix | None = None
     c = problem.constraint(state.x)
-    while not np.abs(c).max() <= TAIL_GOAL * tolerance:  # nan goes on to the factor, which says so
+    while not np.abs(c).max() <= goal:  # nan goes on to the factor, which says so
         if state.steps >= limit:
             return "step_limit" if np.abs(c).max() > tolerance else CONVERGED
         jacobian = problem.jacobian(state.x)
-        _, metric = problem.gradient_and_metric(state.x)
+        if metric is None:
+            _, metric = problem.gradient_and_metric(state.x)
         factor = _factor(metric, problem.gram(jacobian), beta)
         state.steps += 1
         step = _normal_step(factor, c, jacobian, beta, rounds=4)
+        if longest(step) > SHORT_STEP:
+            metric = None
         x, c_new = _line_search(problem, state.x, step, c)
         halved = x is not None and np.linalg.norm(c_new) <= 0.5 * np.linalg.norm(c)
         if x is not None:
-            state.x, c = x, c_new
+            state.x, c = _chord_steps(problem, factor, jacobian, beta, x, c_new, goal) if halved else (x, c_new)
             beta = min(10.0 * beta, TAIL_BETA_CEILING)
         elif beta > 1.0:
             beta /= 100.0
@@ -241,6 +253,19 @@ def _newton_tail(problem: Problem, state: _State, tolerance: float, limit: int) 
         if not halved and np.abs(c).max() <= tolerance:
             break
     return CONVERGED
+
+
+def _chord_steps(
+    problem: Problem, factor: MeshFactor, jacobian: csr_matrix, beta: float, x: Floats, c: Floats, goal: float
+) -> tuple[Floats, Floats]:
+    """Newton steps with the factor of the step before, as long as each takes c to `CHORD` of itself."""
+    while np.abs(c).max() > goal:
+        trial = x + _normal_step(factor, c, jacobian, beta, rounds=2)
+        c_trial = problem.constraint(trial)
+        if not np.linalg.norm(c_trial) <= CHORD * np.linalg.norm(c):
+            break
+        x, c = trial, c_trial
+    return x, c
 
 
 def _line_search(

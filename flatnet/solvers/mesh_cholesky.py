@@ -101,15 +101,15 @@ class MeshLayout:
         size = elements.shape[1]
         keys = self._pairs(elements)
         pair = np.where(keys < 0, -1, np.searchsorted(self._keys, keys))
-        swapped = np.stack([self._place[elements.T[i]] < self._place[elements.T[j]] for i, j in _lower(size)])
-        number = {pair: index for index, pair in enumerate(_lower(size))}
-        slots = []
-        for row, column in _lower(3 * size):
-            (i, a), (j, b) = divmod(row, 3), divmod(column, 3)
-            at = number[i, j]
-            inside = np.where(swapped[at], 3 * b + a, 3 * a + b)
-            slots.append(np.where(pair[at] < 0, self.size, 9 * pair[at] + inside))
-        return np.stack(slots)
+        place = self._place[elements.T]
+        rows, columns = np.tril_indices(size)
+        swapped = place[rows] < place[columns]
+        # The rows of the element's matrix, three for each vertex, and which pair of vertices each entry is of.
+        row, column = np.tril_indices(3 * size)
+        (i, a), (j, b) = np.divmod(row, 3), np.divmod(column, 3)
+        at = i * (i + 1) // 2 + j
+        inside = np.where(swapped[at], (3 * b + a)[:, None], (3 * a + b)[:, None])
+        return np.where(pair[at] < 0, self.size, 9 * pair[at] + inside)
 
     def _blocks(self, fronts: list[Front]) -> list[_Block]:
         parents = np.full(len(fronts), -1)
@@ -153,11 +153,6 @@ class MeshLayout:
         """The matrix whose entries are the values summed at their slots."""
         sums = np.bincount(slots, weights=values, minlength=self.size + 1)
         return MeshMatrix(self, np.asarray(sums[: self.size], dtype=np.float64))
-
-
-def _lower(size: int) -> list[tuple[int, int]]:
-    rows, columns = np.tril_indices(size)
-    return list(zip(rows.tolist(), columns.tolist(), strict=True))
 
 
 def _runs(front: Front, parent: Front) -> list[tuple[int, int, int]]:

@@ -47,7 +47,8 @@ def dissect(graph: csr_matrix, points: Floats) -> tuple[Ints, list[Front]]:
     points : (m, 2).
     """
     parts: list[tuple[Ints, tuple[int, ...]]] = []
-    _cut(graph, points, np.arange(len(points)), parts)
+    links = np.stack([np.repeat(np.arange(len(points)), np.diff(graph.indptr)), graph.indices])
+    _cut(links, points, np.arange(len(points)), parts)
     order = np.concatenate([own for own, _ in parts]) if parts else np.empty(0, dtype=np.int64)
     place = np.empty(len(order), dtype=np.int64)
     place[order] = np.arange(len(order))
@@ -55,35 +56,47 @@ def dissect(graph: csr_matrix, points: Floats) -> tuple[Ints, list[Front]]:
     start = 0
     for own, children in parts:
         stop = start + len(own)
-        coupled = [place[graph[own].indices], *(fronts[child].later for child in children)]
+        neighbours = [graph.indices[graph.indptr[vertex] : graph.indptr[vertex + 1]] for vertex in own]
+        coupled = [place[np.concatenate(neighbours)], *(fronts[child].later for child in children)]
         later = np.unique(np.concatenate(coupled))
         fronts.append(Front(start, stop, later[np.searchsorted(later, stop) :], children))
         start = stop
     return order, fronts
 
 
-def _cut(graph: csr_matrix, points: Floats, part: Ints, parts: list[tuple[Ints, tuple[int, ...]]]) -> tuple[int, ...]:
-    """Append the fronts of `part`, the last its separator; the index of that one, or of what stands for it."""
+def _cut(links: Ints, points: Floats, part: Ints, parts: list[tuple[Ints, tuple[int, ...]]]) -> tuple[int, ...]:
+    """Append the fronts of `part`, the last its separator; the index of that one, or of what stands for it.
+
+    links : (2, e) the pairs of neighbours inside the part, both ways round.
+    """
     if len(part) <= LEAF:
         if not len(part):
             return ()
         parts.append((part, ()))
         return (len(parts) - 1,)
-    inside = graph[part][:, part]
-    cuts = [_halves(inside, points[part, axis]) for axis in (0, 1)]
-    axis = int(cuts[1][1].sum() < cuts[0][1].sum())
+    cuts = [_halves(links, points[:, axis], part) for axis in (0, 1)]
+    axis = int(len(cuts[1][1]) < len(cuts[0][1]))
     first, separator = cuts[axis]
-    children = _cut(graph, points, part[first], parts) + _cut(graph, points, part[~first & ~separator], parts)
-    if not separator.any():
+    # Which side each vertex lies on; what is not of this part counts as neither.
+    side = np.zeros(len(points), dtype=np.int8)
+    side[part], side[first], side[separator] = 2, 1, 0
+    children: tuple[int, ...] = ()
+    for half in (1, 2):
+        inside = (side[links] == half).all(axis=0)
+        children += _cut(links[:, inside], points, part[side[part] == half], parts)
+    if not len(separator):
         return children
     # In order along the cut, so that what a front couples of it lies side by side.
-    along = np.argsort(points[part[separator], 1 - axis], kind="stable")
-    parts.append((part[separator][along], children))
+    along = np.argsort(points[separator, 1 - axis], kind="stable")
+    parts.append((separator[along], children))
     return (len(parts) - 1,)
 
 
-def _halves(graph: csr_matrix, coordinate: Floats) -> tuple[NDArray[np.bool_], NDArray[np.bool_]]:
-    """Which vertices lie in the first half, and which of the others have a neighbour there."""
+def _halves(links: Ints, coordinate: Floats, part: Ints) -> tuple[Ints, Ints]:
+    """The vertices in the first half of a part, and those of the others with a neighbour there."""
+    lower = part[np.argsort(coordinate[part], kind="stable")[: len(part) // 2]]
     first = np.zeros(len(coordinate), dtype=bool)
-    first[np.argsort(coordinate, kind="stable")[: len(coordinate) // 2]] = True
-    return first, (graph @ first.astype(np.float64) > 0.0) & ~first
+    first[lower] = True
+    touching = np.zeros(len(coordinate), dtype=bool)
+    touching[links[1][first[links[0]]]] = True
+    return lower, part[(touching & ~first)[part]]
