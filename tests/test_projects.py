@@ -54,6 +54,23 @@ def test_the_papers_examples_have_the_papers_mesh_sizes(report):
         assert vertices == pytest.approx(TABLE_1[report["project"]], rel=0.1)
 
 
+#: What some projects promise: material -> pieces, and sheets that they lie on.
+CUT_FROM = {
+    "moai": {"copper": (1, 1)},
+    "boat": {"plywood": (5, 2)},
+    "bag": {"leather": (7, 1), "lining": (5, 1)},
+}
+
+
+def test_the_pieces_lie_on_the_sheets_that_the_readme_promises(report):
+    if report["project"] in CUT_FROM:
+        laid = {}
+        for layout in report["layouts"]:
+            pieces, sheets = laid.get(layout["material"], (0, 0))
+            laid[layout["material"]] = (pieces + len(layout["pieces"]), sheets + 1)
+        assert laid == CUT_FROM[report["project"]]
+
+
 def test_every_interior_vertex_is_flattenable(meshes):
     for vertices, _, triangles in meshes.values():
         interior = np.setdiff1d(np.arange(len(vertices)), boundary_vertices(triangles))
