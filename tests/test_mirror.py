@@ -253,6 +253,20 @@ def test_images_need_a_plane(tmp_path):
     assert "mirror_of, but the file has no mirror; add `mirror: {normal: ...}`" in refused(tmp_path, content)
 
 
+@pytest.mark.parametrize("x, warned", [(0.0, False), (5.0, True)])
+def test_an_image_is_not_blamed_for_what_its_original_leaves_the_surface_by(tmp_path, x, warned):
+    """The rim hangs 12 mm off the ball, as a skirt hangs off its legs."""
+    content = on_ball(tmp_path, x)
+    content["curves"]["rim"] = {
+        "kind": "spline", "from": "front", "to": "back", "points": [[37, 0, 49.6]], "normals": [0.6, 0, 0.8],
+    }
+    loaded(tmp_path, content)
+    assert main(["build", str(tmp_path / "project.yaml"), "-o", str(tmp_path / "out")]) == 0
+    left, _ = read_report(tmp_path / "out")["patches"]
+    assert left["metrics"]["surface_distance_mm"]["max_outside"] > 8.0
+    assert ("off_surface" in [warning["code"] for warning in left["warnings"]]) == warned
+
+
 def test_the_image_of_what_can_not_be_made_fails_with_it(tmp_path):
     content = tent()
     content["patches"]["right"]["min_angle"] = dict.fromkeys(["top", "low", "far", "back"], 130)

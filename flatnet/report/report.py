@@ -45,7 +45,7 @@ def make_report(
     """
     fitted = {result.patch.name: result for result in results if isinstance(result, FittedPatch)}
     patches = [
-        _fitted_record(result, heights.get(result.patch.name), clearance, findings)
+        _fitted_record(result, heights, clearance, findings)
         if isinstance(result, FittedPatch)
         else _failed_record(result)
         for result in results
@@ -74,10 +74,12 @@ def status(made: Sequence[bool], laid_out: bool) -> str:
 
 
 def _fitted_record(
-    fitted: FittedPatch, heights: Floats | None, clearance: float, findings: Sequence[Finding]
+    fitted: FittedPatch, heights: Mapping[str, Floats], clearance: float, findings: Sequence[Finding]
 ) -> dict[str, object]:
     mesh = fitted.mesh
     name = fitted.patch.name
+    own = heights.get(name)
+    of_original = heights.get(fitted.patch.mirror_of or name)
     not_laid = next((finding for finding in findings if finding.patch == name), None)
     return {
         "name": name,
@@ -85,9 +87,9 @@ def _fitted_record(
         "failure": not_laid.as_dict() if not_laid else None,
         "warnings": [
             warning.on(name).as_dict()
-            for warning in (*fitted.warnings, *patch_warnings(fitted, heights, clearance))
+            for warning in (*fitted.warnings, *patch_warnings(fitted, own, clearance, of_original))
         ],
-        "metrics": metrics(fitted, heights),
+        "metrics": metrics(fitted, own),
         "method": {
             "name": mesh.method,
             "parameters": dict(mesh.parameters),

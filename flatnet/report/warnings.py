@@ -21,13 +21,16 @@ Floats = NDArray[np.float64]
 KINK = np.radians(30.0)
 
 
-def patch_warnings(fitted: FittedPatch, heights: Floats | None, clearance: float) -> list[Finding]:
+def patch_warnings(
+    fitted: FittedPatch, heights: Floats | None, clearance: float, of_original: Floats | None = None
+) -> list[Finding]:
     """The warnings about a finished patch.
 
     Parameters
     ----------
     heights : (m,) float, mm: of its vertices over the reference surface; None where there is none.
     clearance : how far below it they may lie, mm.
+    of_original : of a mirror image, the heights of its original.
     """
     warnings = []
     if fitted.mesh.wrinkles.wrinkled and not fitted.patch.wrinkles_expected:
@@ -37,9 +40,11 @@ def patch_warnings(fitted: FittedPatch, heights: Floats | None, clearance: float
     if heights is not None and heights.min() < -clearance:
         warnings.append(_inside_surface(fitted, heights, clearance))
     if heights is not None and fitted.patch.mirror_of is not None:
-        along = np.abs(heights[: fitted.mesh.boundary_count])
-        if along.max() > clearance:
-            warnings.append(_off_surface(fitted, along))
+        rim = -np.arange(fitted.mesh.boundary_count)  # boundary vertex i is the image of vertex -i
+        along = np.abs(heights[: len(rim)])
+        drawn_off = 0.0 if of_original is None else np.abs(of_original[: len(rim)])[rim]
+        if (along - drawn_off).max() > clearance:
+            warnings.append(_off_surface(fitted, along - drawn_off))
     return warnings
 
 
@@ -108,7 +113,7 @@ def _off_surface(fitted: FittedPatch, along: Floats) -> Finding:
         unit="mm",
         message=(
             f"as the mirror image of '{fitted.patch.mirror_of}' its boundary leaves the surface, which is "
-            f"not the same on this side, by {along[worst]:.1f} mm {where}."
+            f"not the same on this side, by {along[worst]:.1f} mm more than that {where}."
         ),
         remedy="Draw this side by itself, or take a surface with two equal halves.",
     )
