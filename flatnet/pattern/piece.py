@@ -14,13 +14,14 @@ from shapely import Polygon
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import FittedPatch
 from flatnet.geometry.polygon import side_lengths
+from flatnet.geometry.triangles import boundary_triangle_normals
 from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.allowance import TOUCH, cut_line
 from flatnet.pattern.darts import dart_marks, dart_notches, fold_darts, with_straight_legs
 from flatnet.pattern.edging import Edging, Fold, edging, is_on_fold, unfolded
 from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
 from flatnet.pattern.marks import Mark, make_marks
-from flatnet.pattern.nicks import Nick, nicks_along
+from flatnet.pattern.nicks import Nick, nicks_along, turns_under
 from flatnet.pattern.notches import Notch, SeamNotch, notch_on_piece
 from flatnet.pattern.seams import Seam
 from flatnet.project.model import Material
@@ -214,7 +215,7 @@ def make_piece(
         mirrored=copies[1],
         material=material.name,
         project=project,
-        nicks=_nicks(edged, rings, seams, notches),
+        nicks=_nicks(fitted, edged, rings, seams, notches),
         fold=fold,
         warnings=(
             *(_crowded(patch, edged, first, count) for first, count in cut.crowded),
@@ -248,16 +249,22 @@ def _shows_grain(fitted: FittedPatch, material: Material) -> bool:
 
 
 def _nicks(
-    edged: Edging, rings: shapely.Geometry, seams: Mapping[str, Seam], notches: Sequence[Notch]
+    fitted: FittedPatch, edged: Edging, rings: shapely.Geometry, seams: Mapping[str, Seam], notches: Sequence[Notch]
 ) -> tuple[Nick, ...]:
     """The nicks of every seam whose allowance has some."""
+    mesh, n = fitted.mesh, fitted.mesh.boundary_count
+    feet = [notch.foot for notch in notches]
     found: list[Nick] = []
     for stretch in edged.stretches:
         spec = seams[stretch.seam].spec.nicks
         if spec is not None:
-            run = edged.sew_line[np.arange(stretch.first, stretch.first + stretch.count + 1) % len(edged.sew_line)]
+            along = np.arange(stretch.first, stretch.first + stretch.count + 1) % len(edged.sew_line)
+            source = edged.sources[along]
+            edges = np.where(source[1:] == (source[:-1] + 1) % n, source[:-1], source[1:])
+            normals = boundary_triangle_normals(mesh.vertices, mesh.triangles, n)[edges]
+            under = turns_under(mesh.vertices[source], normals)
             width = float(edged.widths[stretch.first])
-            found += nicks_along(stretch.seam, spec, run, width, rings, [notch.foot for notch in notches])
+            found += nicks_along(stretch.seam, spec, edged.sew_line[along], under, width, rings, feet)
     return tuple(found)
 
 

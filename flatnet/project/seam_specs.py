@@ -74,11 +74,13 @@ class NickSpec:
     every : distance of nicks along the sew line, mm.
     radius : where the sew line is less strongly curved, there are none, mm.
     clear : how far they stay away from the sew line, mm.
+    folded : `back` onto the piece (a hem), or `under`, at a right angle to it (a lasting margin).
     """
 
     every: float
     radius: float = 50.0
     clear: float = 3.0
+    folded: Literal["back", "under"] = "back"
 
 
 @dataclass(frozen=True)

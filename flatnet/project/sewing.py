@@ -31,7 +31,7 @@ from flatnet.project.yaml_nodes import is_number, mark_of
 SEAM_KEYS = ("allowance", "ends", "notches", "dart", "nicks", "sewn_to")
 _DART_KEYS = ("fold", "drill")
 _NOTCH_KEYS = ("every", "at", "nodes", "kind", "marks", "depth")
-_NICK_KEYS = ("every", "radius", "clear")
+_NICK_KEYS = ("every", "radius", "clear", "folded")
 _SEWN_KEYS = ("curves", "ease")
 _PART = re.compile(r"(\d+(?:\.\d*)?)\s*%", re.ASCII)
 _SIGNED = re.compile(rf"(-?)({NAME})")
@@ -136,6 +136,7 @@ def _nicks(section: Section, mm_per_unit: float) -> NickSpec:
         every=inner.require("every", positive, 1.0, "the distance between nicks along the sew line"),
         radius=inner.get("radius", positive, NickSpec.radius),
         clear=inner.get("clear", length_in(mm_per_unit, negative=False), NickSpec.clear),
+        folded=cast(Literal["back", "under"], inner.get("folded", one_of("back", "under"), "back")),
     )
 
 

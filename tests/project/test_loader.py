@@ -87,7 +87,8 @@ def test_curves(tmp_path: Path) -> None:
     assert (top.start, top.points[1], top.end, top.closed) == ("007", "d-e.f", "on", False)
     assert curves["dart"].slit
     notches = NotchSpec(60.0, (1.0,), (0.25, 0.5), True, "castle", 2, 3.0)
-    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"), notches, nicks=NickSpec(8.0, 40.0, 2.0))
+    nicks = NickSpec(8.0, 40.0, 2.0, "under")
+    assert curves["hem"].seam == SeamSpec(30.0, 30.0, Ends("mirrored"), notches, nicks=nicks)
     assert curves["dart"].seam == SeamSpec(notches=NotchSpec(every=50.0), dart=DartSpec("right", 8.0))
     assert curves["side"].seam == SeamSpec(
         None, 0.0, Ends("mitre", 25.0), sewn_to=SewnTo((("hem", False), ("top", True)), 0.03, 0.0, Mark(24, 137))
