@@ -101,9 +101,13 @@ def fitting_label(texts: Sequence[tuple[str, ...]], free: Geometry, heights: Seq
     free : where the text may lie.
     heights : to be tried, the largest first.
     """
+    return _placed(texts, free, heights) or _shrunk(texts, free)
+
+
+def _placed(texts: Sequence[tuple[str, ...]], free: Geometry, heights: Sequence[float]) -> Label | None:
+    """The first text that fits at the largest height, near the middle."""
     shapely.prepare(free)
-    size = float(np.sqrt(free.area))
-    centre, rim = shapely.get_coordinates(shapely.maximum_inscribed_circle(free, tolerance=0.01 * size))
+    centre, _ = _inscribed_circle(free)
     left, bottom, right, top = free.bounds
     grid = np.meshgrid(np.linspace(left, right, NAME_PLACES), np.linspace(bottom, top, NAME_PLACES))
     places = np.vstack([centre, np.stack(grid, axis=-1).reshape(-1, 2)])
@@ -117,10 +121,21 @@ def fitting_label(texts: Sequence[tuple[str, ...]], free: Geometry, heights: Seq
                 fits = shapely.covers(free, boxes)
                 if fits.any():
                     return Label(lines, places[np.argmax(fits)], direction, height)
-    radius = float(np.linalg.norm(rim - centre))
+    return None
+
+
+def _shrunk(texts: Sequence[tuple[str, ...]], free: Geometry) -> Label:
+    """The text whose rectangle is largest in the largest circle."""
+    centre, radius = _inscribed_circle(free)
     diagonals = [np.hypot(max(map(text_width, lines)), LINE_PITCH * len(lines)) for lines in texts]
     best = int(np.argmin(diagonals))
     return Label(texts[best], centre, np.array([1.0, 0.0]), 2.0 * radius / float(diagonals[best]))
+
+
+def _inscribed_circle(free: Geometry) -> tuple[Floats, float]:
+    size = float(np.sqrt(free.area))
+    centre, rim = shapely.get_coordinates(shapely.maximum_inscribed_circle(free, tolerance=0.01 * size))
+    return centre, float(np.linalg.norm(rim - centre))
 
 
 def room_for_text(inside: Polygon, lines: Sequence[Floats]) -> Geometry:
@@ -131,11 +146,16 @@ def room_for_text(inside: Polygon, lines: Sequence[Floats]) -> Geometry:
 
 
 def name_label(name: str, lines: Sequence[str], free: Geometry) -> Label:
-    """A piece's name and what else is to be said of it, as large as it fits."""
-    largest = min(NAME_HEIGHT, NAME_PART * float(np.sqrt(free.area)))
-    count = int(np.log(LEAST_NAME_HEIGHT / largest) / np.log(NAME_STEP)) + 1 if largest > LEAST_NAME_HEIGHT else 0
-    heights = largest * NAME_STEP ** np.arange(count)
-    return fitting_label([(*broken, *lines) for broken in line_breaks(name)], free, heights.tolist())
+    """A piece's name and what else is to be said of it, as large as it fits.
+
+    Where not all of it fits at a height that can be read, it is the name and the first of the lines, or the name alone.
+    """
+    largest = max(min(NAME_HEIGHT, NAME_PART * float(np.sqrt(free.area))), LEAST_NAME_HEIGHT)
+    count = int(np.log(LEAST_NAME_HEIGHT / largest) / np.log(NAME_STEP)) + 1
+    heights = (largest * NAME_STEP ** np.arange(count)).tolist()
+    texts = [[(*broken, *kept) for broken in line_breaks(name)] for kept in (lines, lines[:1], ())]
+    found = (_placed(each, free, heights) for each in texts)
+    return next((label for label in found if label), None) or _shrunk(texts[-1], free)
 
 
 def seam_label(number: int, name: str, run: Floats, free: Geometry) -> Label | None:

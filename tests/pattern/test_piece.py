@@ -175,3 +175,11 @@ def test_the_grain_arrow_runs_along_plus_x_inside_the_piece_and_only_where_there
 def test_the_label_says_what_to_cut_from_what():
     label = piece(SQUARE, name="yoke", cut=2, mirrored=1).label
     assert label.lines == ("yoke", "cut 2 + 1 mirrored", "cloth")
+
+
+@pytest.mark.parametrize("size, count", [((9, 9), 3), ((8, 7), 2), ((8, 4), 1)])  # a line takes 2.6 mm
+def test_on_a_small_piece_it_says_less_rather_than_what_none_can_read(size, count):
+    label = piece(SQUARE * size / 100, name="yoke").label
+    lines = ("yoke", "cut 1", "cloth")[:count]
+    assert label.lines == lines and label.height >= 2.0
+    assert piece(SQUARE / 100.0, name="yoke").label.height < 1.0  # the name alone is always there
