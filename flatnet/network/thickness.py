@@ -66,6 +66,17 @@ def to_middle(
     return nodes, moved, [problem for problem in problems if problem] + found
 
 
+def laid_back(stretch: SampledStretch, half: float) -> Floats:
+    """The inner vertices, (k - 1, 3) mm, of a curve that thickness moves onto a stretch in the middle of a sheet.
+
+    Parameters
+    ----------
+    half : of the thickness, mm.
+    """
+    first, _ = _at_ends(stretch.left_normals, closed=False)
+    return stretch.vertices[1:-1] - half * first[1:]
+
+
 def _numbered(places: Mapping[str, Floats], stretches: Mapping[str, SampledStretch]) -> dict[str, NDArray[np.int64]]:
     """A number for every vertex of every stretch; those in a node share the node's."""
     nodes = {name: number for number, name in enumerate(places)}

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from flatnet.geometry.polygon import polyline_length
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.network.patch import Patch
+from flatnet.network.thickness import laid_back
 from flatnet.parameters import METHODS
 from flatnet.project.model import Project
 from flatnet.project.patch_specs import GrainSpec, PatchSpec
@@ -41,7 +42,8 @@ def paste(project: Project, found: Diagnosis | RingSeam) -> str:
     for node in new:
         curve, t = _fraction(before, after.nodes[node])
         lines.append(f"  {node}: {{at: {{curve: {curve}, t: {t:.{DIGITS}g}}}}}")
-    lines += ["curves:", *_curve(stretch, project.mm_per_unit)]
+    half = 0.5 * project.materials[parts[0].material].thickness
+    lines += ["curves:", *_curve(stretch, half, project.mm_per_unit)]
     lines.append(f"patches:  # in place of '{name}'")
     lines += [f"  {part.name}: {{{', '.join(_patch(part, project.patches[name], project))}}}" for part in parts]
     if len(project.curves) == 1 and not project.openings and not project.rest_is_open:
@@ -59,8 +61,8 @@ def _fraction(network: CurveNetwork, place: Floats) -> tuple[str, float]:
     return seam.curve, (before + along) / sum(s.length for s in of_curve)
 
 
-def _curve(seam: SampledStretch, mm_per_unit: float) -> list[str]:
-    points = [_vector(point / mm_per_unit) for point in seam.vertices[1:-1]]
+def _curve(seam: SampledStretch, half: float, mm_per_unit: float) -> list[str]:
+    points = [_vector(point / mm_per_unit) for point in laid_back(seam, half)]
     normals = [_vector(normal) for normal in seam.left_normals]
     return [
         f"  {seam.name}:",
@@ -81,8 +83,13 @@ def _patch(part: Patch, spec: PatchSpec, project: Project) -> list[str]:
     entries = [f"around: [{around}]"]
     if len(project.materials) > 1:
         entries.append(f"material: {spec.material}")
-    if (spec.cut, spec.mirrored) != (1, 0):
-        entries += [f"cut: {spec.cut}", f"mirrored: {spec.mirrored}"]
+    cut, mirrored = spec.cut, spec.mirrored
+    if spec.fold is not None and spec.fold in (s.seam.partition(":")[0] for s in part.boundary.stretches):
+        entries.append(f"fold: {spec.fold}")
+    elif spec.fold is not None:  # beside the fold there is a left and a right one
+        cut = mirrored = cut + mirrored
+    if (cut, mirrored) != (1, 0):
+        entries += [f"cut: {cut}", f"mirrored: {mirrored}"]
     if spec.allowance is not None:
         entries.append(f"allowance: {spec.allowance / project.mm_per_unit:.{DIGITS}g}")
     entries += _grain(spec.grain)

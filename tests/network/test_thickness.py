@@ -6,6 +6,7 @@ import yaml
 
 from flatnet.geometry.polygon import polyline_length
 from flatnet.network.assembly import make_network
+from flatnet.network.thickness import laid_back
 from flatnet.project import ProjectError, load_project
 
 
@@ -111,6 +112,12 @@ def test_creases_and_corners_go_to_where_the_middles_meet(tmp_path):
     assert network.nodes["111"] == pytest.approx([101, 102, 103])
     assert network.nodes["110"] == pytest.approx([101, 102, 0])
     assert network.nodes["100"] == pytest.approx([101, 0, 0])
+
+
+def test_a_curve_in_the_middle_is_laid_back_to_where_it_came_from(tmp_path):
+    made = network_of(tmp_path, tube(50.0, {"front": 3.0, "back": 3.0})).stretches["front_low"]
+    came_from, _ = arc(50.0, 0.0, 0.0, np.pi)
+    np.testing.assert_allclose(laid_back(made, 1.5), came_from[1:-1], atol=1e-9)
 
 
 def test_without_thickness_nothing_moves_and_too_much_of_it_is_a_problem(tmp_path):
