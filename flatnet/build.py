@@ -12,6 +12,7 @@ from numpy.typing import NDArray
 
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.folds import write_folds
+from flatnet.export.formats import EXPORTS, export, require_libraries
 from flatnet.export.network_json import write_network
 from flatnet.export.obj import write_obj
 from flatnet.export.output import HEIGHTS, REPORT, OutputFolder
@@ -84,6 +85,8 @@ def build(
         The project is invalid; nothing is written.
     OutputError
         The folder can't be used or written; the earlier build in it is as it was.
+    ExportError
+        A format that the project asks for needs a library that is not installed.
     ValueError
         `workers` is less than 1.
     """
@@ -92,6 +95,7 @@ def build(
     project = load_project(Path(project_file))
     if final:
         project = replace(project, nesting=project.nesting.final())
+    require_libraries(project.exports)
     # They start, which takes a second, while the network is made.
     with PatchFitter(project.limits, len(project.patches), workers, fit) as fitter:
         surface = make_surface(project)
@@ -114,6 +118,11 @@ def build(
                 project.name, network, seams, heights, project.clearance, results, named, findings, sorted(files)
             )
             (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
+            if project.exports and pieces:
+                exported = export(output.staging, project.exports)
+                files += [f"{EXPORTS}/{name}" for name in exported.files]
+                report |= {"files": sorted(files), "export_notes": exported.notes}
+                (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
             output.commit(files)
     return BuildResult(output.folder, report)
 
@@ -296,13 +305,14 @@ def _write(
             write_folds(folder / files[-1], mesh)
     for name, piece in named.items():
         files.append(f"pieces/{name}.svg")
-        write_piece(folder / files[-1], piece)
+        write_piece(folder / files[-1], piece, project.strokes)
         if piece.fold is not None:
             files.append(f"pieces/{names[f'{_title(project, piece)} on fold']}.svg")
-            write_piece(folder / files[-1], half_on_fold(piece, piece.fold))
+            write_piece(folder / files[-1], half_on_fold(piece, piece.fold), project.strokes)
     for file, layout in layouts.items():
         wanted = [spec.name for spec in project.patches.values() if layout.material.name in spec.materials]
         sheets = [other for other in layouts.values() if other.material.name == layout.material.name]
         laid = {p.piece.name for other in sheets for p in other.placements}
-        write_layout(folder / file, layout, project.title, [name for name in wanted if name not in laid])
+        missing = [name for name in wanted if name not in laid]
+        write_layout(folder / file, layout, project.title, missing, project.strokes)
     return files

@@ -153,6 +153,7 @@ STROKES = {
     "cut": "#ff0000",
     "sew": "#0000ff",
     "notch": "#ff00ff",
+    "nick": "#ff0000",
     "internal": "#8800cc",
     "grain": "#00aa00",
     "text": "#000000",

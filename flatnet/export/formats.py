@@ -12,12 +12,16 @@ from pathlib import Path
 
 from flatnet.export.dxf import write_dxf
 from flatnet.export.dxf_pattern import AAMA, ASTM, Dialect, write_dxf_pattern
+from flatnet.export.file_names import safe_file_names
+from flatnet.export.garmentcode import write_garmentcode
 from flatnet.export.hpgl import write_hpgl
 from flatnet.export.lists import write_cut_list, write_material_list
+from flatnet.export.missing_library import needs
+from flatnet.export.model_3d import write_model_glb, write_model_obj, write_model_ply
 from flatnet.export.output import REPORT
 from flatnet.export.pdf import PAPERS, Pages, draw_certificate, draw_full_size, draw_tiles
 from flatnet.export.sewing import write_sewing
-from flatnet.export.svg import seam_table
+from flatnet.export.svg import seam_table, write_layout, write_piece
 from flatnet.export.written_build import ExportError, Sheet, WrittenBuild, read_written
 
 #: Folder inside a build's that exports go to where no other is named.
@@ -34,6 +38,16 @@ class Exported:
 
 #: Writes one format of a build into a folder.
 Exporter = Callable[[WrittenBuild, Path, Exported], None]
+
+
+def _svg(build: WrittenBuild, folder: Path, done: Exported) -> None:
+    strokes = build.content.strokes
+    for sheet in build.sheets:
+        path = folder / _new(done, f"{sheet.name}.svg")
+        write_layout(path, sheet.layout, build.content.title, build.missing, strokes, by_meaning=True)
+    (folder / "pieces").mkdir()
+    for name, piece in build.pieces.items():
+        write_piece(folder / _new(done, f"pieces/{name}.svg"), piece, strokes, by_meaning=True)
 
 
 def _dxf(build: WrittenBuild, folder: Path, done: Exported) -> None:
@@ -72,6 +86,18 @@ def _hpgl(build: WrittenBuild, folder: Path, done: Exported) -> None:
         done.notes += write_hpgl(folder / _new(done, f"{sheet.name}.plt"), sheet.layout)
 
 
+def _model(ending: str, write: Callable[[Path, WrittenBuild], None]) -> Exporter:
+    def exporter(build: WrittenBuild, folder: Path, done: Exported) -> None:
+        write(folder / _new(done, f"model.{ending}"), build)
+
+    return exporter
+
+
+def _garmentcode(build: WrittenBuild, folder: Path, done: Exported) -> None:
+    (name,) = safe_file_names([build.content.project]).values()
+    write_garmentcode(folder / _new(done, f"{name}_specification.json"), build)
+
+
 def _sewing(build: WrittenBuild, folder: Path, done: Exported) -> None:
     write_sewing(folder / _new(done, "sewing.json"), build)
 
@@ -83,15 +109,45 @@ def _lists(build: WrittenBuild, folder: Path, done: Exported) -> None:
 
 #: Format -> what writes it.
 EXPORTERS: dict[str, Exporter] = {
+    "svg": _svg,
     "dxf": _dxf,
     "dxf-astm": _dxf_pattern(ASTM),
     "dxf-aama": _dxf_pattern(AAMA),
     "pdf": _pdf(""),
     **{f"pdf-{paper}": _pdf(paper) for paper in PAPERS},
     "hpgl": _hpgl,
+    "obj": _model("obj", write_model_obj),
+    "glb": _model("glb", write_model_glb),
+    "ply": _model("ply", write_model_ply),
     "sewing": _sewing,
+    "garmentcode": _garmentcode,
     "cutlist": _lists,
 }
+
+
+#: Format -> modules that it needs beyond those that every installation has.
+LIBRARIES = {
+    "dxf": ("ezdxf",),
+    "dxf-astm": ("ezdxf", "anyascii"),
+    "dxf-aama": ("ezdxf", "anyascii"),
+    "pdf": ("reportlab", "anyascii"),
+    **{f"pdf-{paper}": ("reportlab", "anyascii") for paper in PAPERS},
+    "hpgl": ("anyascii",),
+    "glb": ("pygltflib",),
+}
+
+
+def require_libraries(formats: Sequence[str]) -> None:
+    """See that all libraries for some formats are there.
+
+    Raises
+    ------
+    ExportError
+        One is missing; says how to install it.
+    """
+    for name in formats:
+        for module in LIBRARIES.get(name, ()):
+            needs(module, f"the format {name!r}")
 
 
 def title(build: WrittenBuild, sheet: Sheet) -> str:
@@ -119,6 +175,7 @@ def write_exports(folder: Path, formats: Sequence[str], target: Path, certificat
     ExportError
         There is no whole build in the folder, or a library is missing.
     """
+    require_libraries(formats)
     build = read_written(folder, certificate)
     if not build.pieces:
         raise ExportError(f"{folder}: no piece was made, so there is nothing to export")

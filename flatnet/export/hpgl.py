@@ -21,7 +21,7 @@ Floats = NDArray[np.float64]
 #: Units of HPGL in a mm.
 UNITS = 40.0
 #: The pen of each meaning.
-PENS = {"cut": 1, "sew": 2, "notch": 3, "internal": 4, "grain": 5, "text": 6}
+PENS = {"cut": 1, "sew": 2, "notch": 3, "nick": 1, "internal": 4, "grain": 5, "text": 6}
 #: `SI` is given the size of a letter in cm; its width over its height. A plotter adds half a width between two.
 LETTER_WIDTH = 0.42
 #: A label ends with this character, and `LO4` centres it on its base line.

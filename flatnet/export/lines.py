@@ -16,7 +16,7 @@ from flatnet.pattern.piece import Piece
 Floats = NDArray[np.float64]
 
 #: The meanings of lines, in the order in which a machine draws them: what is cut through comes last.
-KINDS = ("sew", "internal", "grain", "notch", "cut")
+KINDS = ("sew", "internal", "grain", "notch", "nick", "cut")
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,6 +53,7 @@ def piece_lines(piece: Piece) -> Iterator[Line]:
             yield Line("grain", arrow_head(end))
     for notch in piece.notches:
         yield from (Line("notch", line) for line in notch.lines)
+    yield from (Line("nick", nick.points) for nick in piece.nicks)
     for hole in piece.holes:
         yield Line("cut", hole, closed=True)
     yield Line("cut", piece.cut_line, closed=True)

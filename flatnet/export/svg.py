@@ -9,8 +9,9 @@ never mirrored.
 
 from __future__ import annotations
 
+import json
 import textwrap
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -20,23 +21,14 @@ from numpy.typing import NDArray
 from svgwrite.container import Group
 from svgwrite.extensions import Inkscape
 
+from flatnet.export.lines import KINDS, piece_labels
 from flatnet.nesting.layout import Layout, Placement, turn
+from flatnet.parameters import STROKES
 from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head, text_width
 from flatnet.pattern.piece import Piece
 
 Floats = NDArray[np.float64]
 
-#: Class of a path -> its stroke: a laser's software tells the operations apart by colour.
-STROKES = {
-    "cut": "#ff0000",
-    "sew": "#0000ff",
-    "notch": "#ff00ff",
-    "nick": "#ff0000",
-    "grain": "#00aa00",
-    "internal": "#8800cc",
-    "sheet": "#888888",
-    "test-square": "#888888",
-}
 STROKE_WIDTH = 0.3  # mm
 TEST_SQUARE = 50.0  # mm
 MARGIN = 10.0  # mm around the test square and the title below the sheet
@@ -44,14 +36,34 @@ TITLE_HEIGHT = 6.0  # mm, on a small page
 TITLE_PART = 0.01  # the title's height as a part of a long page's length, to be read when all of it is seen
 TABLE_HEIGHT = 4.0  # mm, of the text in the table of seams
 TITLE_LETTERS = 90  # in a line of the title
+#: The layers of a drawing by meaning, and the order in which they are drawn: what is cut through comes last.
+LAYERS = ("text", *KINDS)
 
 
-def write_layout(path: Path, layout: Layout, project: str, missing: Sequence[str] = ()) -> None:
+class _Page(svgwrite.Drawing):
+    """A drawing in mm, `width` x `height`, whose lines are coloured by their meaning."""
+
+    def __init__(self, path: Path, width: float, height: float, strokes: Mapping[str, str]) -> None:
+        size, box = (f"{width}mm", f"{height}mm"), f"0 0 {width} {height}"
+        super().__init__(str(path), size=size, viewBox=box, debug=False)
+        self.strokes = strokes
+
+
+def write_layout(
+    path: Path,
+    layout: Layout,
+    project: str,
+    missing: Sequence[str] = (),
+    strokes: Mapping[str, str] = STROKES,
+    by_meaning: bool = False,
+) -> None:
     """Draw one sheet: its pieces, and below it a 50 mm test square, the title and what the seams' numbers mean.
 
     Parameters
     ----------
     missing : patches of this material that could not be made; the drawing says so.
+    strokes : meaning of a line -> its colour.
+    by_meaning : one layer for each meaning, with a group for every piece in it; else one group for every piece.
     """
     material, length = layout.material, layout.used_length
     title = [
@@ -62,19 +74,29 @@ def write_layout(path: Path, layout: Layout, project: str, missing: Sequence[str
         title.append("draft: plain rows, not nested")
     if missing:
         title.append(f"INCOMPLETE: missing {', '.join(missing)}")
-    _write_page(path, np.array([length, material.width]), layout.placements, title, sheet=True)
+    size = np.array([length, material.width])
+    _write_page(path, size, layout.placements, title, True, strokes, by_meaning)
 
 
-def write_piece(path: Path, piece: Piece) -> None:
+def write_piece(
+    path: Path, piece: Piece, strokes: Mapping[str, str] = STROKES, by_meaning: bool = False
+) -> None:
     """Draw one piece alone, in its own orientation, with a 50 mm test square and its seams."""
     corner, size = piece.cut_line.min(axis=0), np.ptp(piece.cut_line, axis=0)
     x, y = MARGIN - corner
     title = [" · ".join(piece.description)]
-    _write_page(path, size + 2.0 * MARGIN, [Placement(piece, 1, False, 0.0, x, y)], title, sheet=False)
+    placement = Placement(piece, 1, False, 0.0, x, y)
+    _write_page(path, size + 2.0 * MARGIN, [placement], title, False, strokes, by_meaning)
 
 
 def _write_page(
-    path: Path, size: Floats, placements: Sequence[Placement], title: Sequence[str], sheet: bool
+    path: Path,
+    size: Floats,
+    placements: Sequence[Placement],
+    title: Sequence[str],
+    sheet: bool,
+    strokes: Mapping[str, str],
+    by_meaning: bool,
 ) -> None:
     """A page with the sheet at its top left corner, below it the test square, the title and the table of seams."""
     lines = [part for line in title for part in textwrap.wrap(line, TITLE_LETTERS)]
@@ -88,17 +110,14 @@ def _write_page(
     table_top = top + max(TEST_SQUARE, LINE_PITCH * letter * len(lines)) + MARGIN
     deep = -(-len(rows) // columns)
     height = _rounded(table_top + LINE_PITCH * TABLE_HEIGHT * deep + MARGIN)
-    drawing = svgwrite.Drawing(
-        str(path), size=(f"{width}mm", f"{height}mm"), viewBox=f"0 0 {width} {height}", debug=False
-    )
+    drawing = _Page(path, width, height, strokes)
     inkscape = Inkscape(drawing)
     page = drawing.add(inkscape.layer(label="sheet", id="sheet"))
-    pieces = drawing.add(inkscape.layer(label="pieces", id="pieces"))
 
     if sheet:
         page.add(_path(drawing, "sheet", np.array([[0, 0], [size[0], 0], size, [0, size[1]]])))
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * TEST_SQUARE + (MARGIN, top)
-    page.add(_path(drawing, "test-square", square))
+    page.add(_path(drawing, "sheet", square)).update({"class": "test-square"})
     centre = square.mean(axis=0)
     page.add(_text(drawing, f"{TEST_SQUARE:g} mm", centre[0], centre[1], TITLE_HEIGHT, "middle"))
     for number, line in enumerate(lines):
@@ -107,8 +126,10 @@ def _write_page(
     for number, row in enumerate(rows):
         base = table_top + TABLE_HEIGHT * (1.0 + LINE_PITCH * (number % deep))
         page.add(_text(drawing, row, MARGIN + column * (number // deep), base, TABLE_HEIGHT, "start"))
-    for placement in placements:
-        pieces.add(_piece(drawing, placement, size[1]))
+    for name, kinds in [(kind, [kind]) for kind in LAYERS] if by_meaning else [("pieces", list(LAYERS))]:
+        layer = drawing.add(inkscape.layer(label=name, id=name))
+        for placement in placements:
+            layer.add(_piece(drawing, placement, size[1], kinds))
     drawing.save(pretty=True)
 
 
@@ -118,7 +139,8 @@ def seam_table(placements: Sequence[Placement]) -> list[str]:
     return [f"{seam.number} {seam.description}" for seam in sorted(seams.values(), key=lambda seam: seam.number)]
 
 
-def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) -> Group:
+def _piece(drawing: _Page, placement: Placement, sheet_width: float, kinds: Sequence[str]) -> Group:
+    """The group of a piece with its lines of some meanings."""
     piece = placement.piece
     flip = np.diag([1.0, -1.0])
     linear = flip @ turn(placement.rotation_deg, placement.mirrored)  # piece frame, y up -> drawing, y down
@@ -128,27 +150,45 @@ def _piece(drawing: svgwrite.Drawing, placement: Placement, sheet_width: float) 
         data_copy=str(placement.copy),
         data_mirrored=str(placement.mirrored).lower(),
     )
+    group.update({"inkscape:label": f"{piece.name} {placement.copy}"})
     group.matrix(*_plain(linear.T.ravel()), *_plain([placement.x_mm, sheet_width - placement.y_mm]))
-    group.add(_path(drawing, "cut", piece.cut_line, *piece.holes))
-    group.add(_path(drawing, "sew", piece.sew_line))
-    if piece.notches:
-        group.add(_lines(drawing, "notch", [line for notch in piece.notches for line in notch.lines]))
-    if piece.nicks:
-        group.add(_lines(drawing, "nick", [nick.points for nick in piece.nicks]))
-    for mark in piece.marks:
-        path = _lines(drawing, "internal", mark.lines)
-        path.update({"data-name": mark.name, "data-kind": mark.kind})
-        group.add(path)
-    if piece.grain is not None:
-        heads = [arrow_head(line) for line in ([piece.grain] if piece.one_way else [piece.grain, piece.grain[::-1]])]
-        group.add(_lines(drawing, "grain", [piece.grain, *heads]))
-    for label in [piece.label, *(run.label for run in piece.seams if run.label)]:
-        for text in _label(drawing, label, linear):
-            group.add(text)
+    for kind in kinds:
+        for element in _elements(drawing, piece, kind, linear):
+            group.add(element)
     return group
 
 
-def _label(drawing: svgwrite.Drawing, label: Label, linear: Floats) -> Iterator[Any]:
+def _elements(drawing: _Page, piece: Piece, kind: str, linear: Floats) -> Iterator[Any]:
+    """What is drawn of a piece with one meaning."""
+    if kind == "cut":
+        yield _path(drawing, "cut", piece.cut_line, *piece.holes)
+    elif kind == "sew":
+        path = _path(drawing, "sew", piece.sew_line)
+        seams = [
+            {"number": run.seam.number, "name": run.seam.name, "from": first, "to": last}
+            for run in piece.seams
+            for first, last in [run.vertices[[0, -1]].tolist()]
+        ]
+        path.update({"data-seams": json.dumps(seams, ensure_ascii=False)})
+        yield path
+    elif kind == "notch" and piece.notches:
+        yield _lines(drawing, "notch", [line for notch in piece.notches for line in notch.lines])
+    elif kind == "nick" and piece.nicks:
+        yield _lines(drawing, "nick", [nick.points for nick in piece.nicks])
+    elif kind == "internal":
+        for mark in piece.marks:
+            path = _lines(drawing, "internal", mark.lines)
+            path.update({"data-name": mark.name, "data-kind": mark.kind})
+            yield path
+    elif kind == "grain" and piece.grain is not None:
+        heads = [arrow_head(line) for line in ([piece.grain] if piece.one_way else [piece.grain, piece.grain[::-1]])]
+        yield _lines(drawing, "grain", [piece.grain, *heads])
+    elif kind == "text":
+        for label in piece_labels(piece):
+            yield from _label(drawing, label, linear)
+
+
+def _label(drawing: _Page, label: Label, linear: Floats) -> Iterator[Any]:
     """The lines of a label, upright on the drawing whatever the piece's matrix does."""
     along = linear @ label.direction
     if along[0] < -1e-6 or (abs(along[0]) <= 1e-6 and along[1] > 0.0):  # upside down, or reading downwards
@@ -162,7 +202,7 @@ def _label(drawing: svgwrite.Drawing, label: Label, linear: Floats) -> Iterator[
         yield text
 
 
-def _text(drawing: svgwrite.Drawing, text: str, x: float, y: float, height: float, anchor: str) -> Any:
+def _text(drawing: _Page, text: str, x: float, y: float, height: float, anchor: str) -> Any:
     return drawing.text(
         text,
         insert=(_rounded(x), _rounded(y)),
@@ -170,23 +210,23 @@ def _text(drawing: svgwrite.Drawing, text: str, x: float, y: float, height: floa
         font_size=_rounded(height),
         font_family="sans-serif",
         text_anchor=anchor,
-        fill="#000000",
+        fill=drawing.strokes["text"],
     )
 
 
-def _path(drawing: svgwrite.Drawing, kind: str, *outlines: Floats) -> Any:
+def _path(drawing: _Page, kind: str, *outlines: Floats) -> Any:
     """One path of closed outlines."""
     return _stroked(drawing, kind, " ".join(f"M {_points(outline)} Z" for outline in outlines))
 
 
-def _lines(drawing: svgwrite.Drawing, kind: str, lines: Sequence[Floats]) -> Any:
+def _lines(drawing: _Page, kind: str, lines: Sequence[Floats]) -> Any:
     """One path of open lines."""
     return _stroked(drawing, kind, " ".join(f"M {_points(line)}" for line in lines))
 
 
-def _stroked(drawing: svgwrite.Drawing, kind: str, commands: str) -> Any:
+def _stroked(drawing: _Page, kind: str, commands: str) -> Any:
     return drawing.path(
-        d=commands, class_=kind, fill="none", stroke=STROKES[kind], stroke_width=STROKE_WIDTH
+        d=commands, class_=kind, fill="none", stroke=drawing.strokes[kind], stroke_width=STROKE_WIDTH
     )
 
 

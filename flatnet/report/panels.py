@@ -19,8 +19,8 @@ from matplotlib.patheffects import withStroke
 from numpy.typing import NDArray
 
 from flatnet.export.drawn_layout import DrawnPiece
-from flatnet.export.svg import STROKES
 from flatnet.geometry.triangles import edges_of
+from flatnet.parameters import STROKES
 from flatnet.pattern.labels import Label, fitting_label, line_breaks
 from flatnet.report.build_files import BuildFiles, BuiltPatch
 from flatnet.report.view import FROM_THE_FRONT, Camera, Surface, cameras
@@ -221,9 +221,9 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
     def paint(axes: Axes, scale: float) -> None:
         sheet = [np.array([[0, 0], [length, 0], [length, width], [0, width]])]
         axes.add_collection(PolyCollection(sheet, facecolors="#f4f1ea", edgecolors="#999999", clip_on=False))
-        cut, sew, notch, internal, grain = (
+        cut, sew, notch, nick, internal, grain = (
             [line for piece in pieces for line in piece.lines.get(kind, [])]
-            for kind in ("cut", "sew", "notch", "internal", "grain")
+            for kind in ("cut", "sew", "notch", "nick", "internal", "grain")
         )
         mesh = [
             edge for piece in pieces if piece.patch in patches for edge in _flat_edges(piece, patches[piece.patch])
@@ -236,6 +236,7 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
             PolyCollection(sew, facecolors="none", edgecolors=STROKES["sew"], linewidths=0.6)
         )
         axes.add_collection(LineCollection(notch, colors=STROKES["notch"], linewidths=0.6))
+        axes.add_collection(LineCollection(nick, colors=STROKES["nick"], linewidths=0.6))
         axes.add_collection(LineCollection(internal, colors=STROKES["internal"], linewidths=0.5))
         axes.add_collection(LineCollection(grain, colors=STROKES["grain"], linewidths=0.7))
         halo = [withStroke(linewidth=1.5, foreground="white")]

@@ -209,7 +209,7 @@ def _check_single(
     yield from _check_listed(listed, piece, build)
     if on_sheet is None:
         return
-    for kind in ("cut", "sew", "notch", "internal", "grain"):
+    for kind in ("cut", "sew", "notch", "nick", "internal", "grain"):
         alone, laid = ([line.points for line in one.lines.get(kind, [])] for one in (piece, on_sheet))
         off = _farthest_of_all(alone, laid)
         words = f"its path '{kind}' is another than in {on_sheet.file}"

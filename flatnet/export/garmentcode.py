@@ -1,0 +1,86 @@
+"""Write the pattern as GarmentCode's JSON, so that its simulator can drape it.
+
+The format of its `*_specification.json`: panels in cm with their vertices, straight edges and place in space, and
+stitches between single edges. Every edge of a sew line is an edge of its panel, so the two sides of a seam are equal
+edge by edge.
+"""
+
+from __future__ import annotations
+
+import json
+from itertools import pairwise
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.spatial.transform import Rotation
+
+from flatnet.export.written_build import FittedMesh, WrittenBuild
+
+Floats = NDArray[np.float64]
+
+CM = 0.1  # in a mm
+#: To its axes, x to the wearer's left, y up, z to the front: from x to the right, y to the front, z up.
+TO_ITS_AXES = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
+
+
+def write_garmentcode(path: Path, build: WrittenBuild) -> None:
+    """One panel for each patch, as often as it is in space: once, and of its first material."""
+    meshes = {mesh.patch: mesh for mesh in build.meshes}
+    outlines = {piece.name: piece.sew_line for piece in build.pieces.values()}
+    record = {
+        "pattern": {
+            "panels": {name: _panel(outline, meshes[name]) for name, outline in outlines.items()},
+            "stitches": [
+                stitch
+                for seam in build.report["seams"]
+                if len(seam["sides"]) == 2 and all(side["patch"] in outlines for side in seam["sides"])
+                for stitch in _stitches(seam["sides"], {name: len(outline) for name, outline in outlines.items()})
+            ],
+            "panel_order": list(outlines),
+        },
+        "parameters": {},
+        "parameter_order": [],
+        "properties": {
+            "curvature_coords": "relative",
+            "normalize_panel_translation": False,
+            "normalized_edge_loops": True,
+            "units_in_meter": 100,
+        },
+    }
+    path.write_text(json.dumps(record, ensure_ascii=False) + "\n", encoding="utf-8")
+
+
+def _panel(outline: Floats, mesh: FittedMesh) -> dict[str, object]:
+    """The outline in its own frame, and where it lies nearest to its patch: rotation by Euler angles about x, y, z
+    of space in turn, degrees."""
+    rotation, shift = _nearest_place(mesh)
+    count = len(outline)
+    return {
+        "translation": (CM * TO_ITS_AXES @ shift).tolist(),
+        "rotation": Rotation.from_matrix(TO_ITS_AXES @ rotation).as_euler("xyz", degrees=True).tolist(),
+        "vertices": (CM * outline).tolist(),
+        "edges": [{"endpoints": [i, (i + 1) % count]} for i in range(count)],
+    }
+
+
+def _nearest_place(mesh: FittedMesh) -> tuple[Floats, Floats]:
+    """The rigid motion of the flat piece with the least squared distance from the fitted mesh (Kabsch)."""
+    flat = np.column_stack([mesh.flat, np.zeros(len(mesh.flat))])
+    middle, centre = flat.mean(axis=0), mesh.vertices.mean(axis=0)
+    u, _, v = np.linalg.svd((flat - middle).T @ (mesh.vertices - centre))
+    flip = np.diag([1.0, 1.0, np.linalg.det(u @ v)])
+    rotation: Floats = (u @ flip @ v).T
+    return rotation, centre - rotation @ middle
+
+
+def _stitches(sides: list[dict[str, Any]], counts: dict[str, int]) -> list[list[dict[str, object]]]:
+    """Edge by edge along a seam; an edge is known by the vertex that it starts from, anticlockwise."""
+    edges = [_edges(side["vertices"], counts[side["patch"]]) for side in sides]
+    names = [side["patch"] for side in sides]
+    return [[{"panel": name, "edge": edge} for name, edge in zip(names, pair)] for pair in zip(*edges, strict=True)]
+
+
+def _edges(vertices: list[int], count: int) -> list[int]:
+    return [a if b == (a + 1) % count else b for a, b in pairwise(vertices)]
