@@ -21,11 +21,9 @@ PROJECTS = sorted(path.parent.name for path in (ROOT / "projects").glob("*/proje
 
 
 @pytest.fixture(scope="module", params=PROJECTS)
-def out(request, tmp_path_factory):
+def out(request, built):
     """The folder of one project's build; the command's exit status is 0."""
-    folder = tmp_path_factory.mktemp(request.param) / "out"
-    assert main(["build", str(ROOT / "projects" / request.param / "project.yaml"), "-o", str(folder)]) == 0
-    return folder
+    return built(request.param)
 
 
 @pytest.fixture(scope="module")
