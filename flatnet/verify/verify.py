@@ -6,6 +6,7 @@ from pathlib import Path
 
 from flatnet.verify.build import Findings, WrittenBuild, read_build
 from flatnet.verify.certificate import Certificate
+from flatnet.verify.exports import check_exports
 from flatnet.verify.figures import check_figures
 from flatnet.verify.layouts import check_layouts
 from flatnet.verify.patches import check_patch
@@ -48,6 +49,7 @@ def _check(files: WrittenFiles, report: Record, findings: Findings) -> None:
     findings += check_seams(build, seams)
     _check_round_trips(files, build, seams, findings)
     check_layouts(files, build, findings)
+    check_exports(files, build, findings)
     check_figures(files, build, seams, findings)
 
 

@@ -76,7 +76,7 @@ class WrittenFiles:
         rows: dict[str, list[list[float]]] = {"v": [], "vt": [], "f": []}
         for number, line in enumerate(text.splitlines(), start=1):
             kind, *words = line.split() or ["#"]
-            if kind.startswith("#"):
+            if kind.startswith("#") or kind == "o":
                 continue
             try:
                 rows[kind].append(_corners(words) if kind == "f" else _coordinates(words, 3 if kind == "v" else 2))
@@ -201,6 +201,10 @@ class Record:
         if not isinstance(value, list):
             raise self._wrong(key, "list")
         return value
+
+    def record_lists(self, key: str) -> list[list[Record]]:
+        """A list of lists of records."""
+        return [Record(self.file, {key: items}, self._where).records(key) for items in self.lists(key)]
 
     def names(self) -> list[str]:
         return [str(name) for name in self._content]
