@@ -83,6 +83,7 @@ class WrittenPiece:
     name : that of its drawing.
     cut, mirrored : how many plain and mirrored copies.
     sew_line, cut_line, holes : closed, (k, 2) float, mm, in its own frame.
+    fold : (2, 2) float, mm: start and end of the line across which its patch, one half of it, is mirrored; or None.
     """
 
     name: str
@@ -93,11 +94,29 @@ class WrittenPiece:
     sew_line: Floats
     cut_line: Floats
     holes: tuple[Floats, ...]
+    fold: Floats | None = None
 
     @property
     def file(self) -> str:
         """Its drawing."""
         return f"pieces/{self.name}.svg"
+
+    @property
+    def half(self) -> Floats:
+        """Of a piece with a fold, the part of its sew line that is its patch's: from the fold's end to its start."""
+        return self.sew_line[: len(self.sew_line) // 2 + 1]
+
+    def outline_of(self, mesh: WrittenMesh) -> Floats:
+        """The sew line that it has by its patch's mesh: the flat boundary, with a fold also its mirror image."""
+        if self.fold is None:
+            return mesh.outline
+        start, end = self.fold
+        at = [int(np.argmin(np.linalg.norm(mesh.outline - place, axis=1))) for place in (start, end)]
+        count = (at[0] - at[1]) % len(mesh.outline) + 1
+        half = np.roll(mesh.outline, -at[1], axis=0)[:count]
+        along = (end - start) / np.linalg.norm(end - start)
+        image = start + 2.0 * ((half - start) @ along)[:, None] * along - (half - start)
+        return np.concatenate([half, image[-2:0:-1]])
 
 
 @dataclass(frozen=True, eq=False)
@@ -110,6 +129,13 @@ class WrittenBuild:
     curves: dict[str, WrittenCurve] = field(default_factory=dict)
     materials: dict[str, WrittenMaterial] = field(default_factory=dict)
     pieces: list[WrittenPiece] = field(default_factory=list)
+
+    def piece(self, patch: str, material: str) -> WrittenPiece:
+        """The piece of a patch from a material."""
+        for piece in self.pieces:
+            if (piece.patch, piece.material) == (patch, material):
+                return piece
+        raise DamagedError(PIECES, f"there is no piece of '{patch}' from '{material}'")
 
 
 def read_build(files: WrittenFiles, report: Record, findings: Findings) -> WrittenBuild:
@@ -149,9 +175,11 @@ def _piece(record: Record) -> WrittenPiece:
     name, patch, material = (record.text(key) for key in ("name", "patch", "material"))
     holes = tuple(record.point_lists("holes"))
     cut, mirrored = record.count("cut"), record.count("mirrored")
-    return WrittenPiece(
-        name, patch, material, cut, mirrored, record.numbers("sew_line", 2), record.numbers("cut_line", 2), holes
-    )
+    sew_line, cut_line = record.numbers("sew_line", 2), record.numbers("cut_line", 2)
+    fold = record.numbers("fold", 2) if record.has("fold") else None
+    if len(sew_line) < 3 or len(cut_line) < 3 or (fold is not None and fold.shape != (2, 2)):
+        raise DamagedError(PIECES, f"the lines of '{name}' are no outlines")
+    return WrittenPiece(name, patch, material, cut, mirrored, sew_line, cut_line, holes, fold)
 
 
 def _read_patch(files: WrittenFiles, record: Record, listed: set[str], build: WrittenBuild) -> None:

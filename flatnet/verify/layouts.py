@@ -23,6 +23,8 @@ STORED = "layout.json"
 TEST_SQUARE = 50.0
 #: Half of the last digit of a drawing, mm.
 ROUNDED = 0.0005 + 1e-9
+#: Of a sew line that is mirrored across its fold, from its mesh's: round-off, mm.
+MIRRORED = 1e-9
 #: utilisation is a figure of the cut lines, which are drawn rounded; relative.
 UTILISATION = 1e-4
 
@@ -56,7 +58,7 @@ def check_layouts(files: WrittenFiles, build: WrittenBuild, findings: Findings) 
             findings += _check_sheet(sheet)
         for piece in sheet.drawing.pieces:
             with findings.guarded():
-                findings += _check_piece(piece, build)
+                findings += _check_piece(piece, build.piece(piece.patch, sheet.material_name), build)
                 findings += _check_place(piece, sheet, build)
         with findings.guarded():
             findings += _check_apart(sheet)
@@ -66,6 +68,9 @@ def check_layouts(files: WrittenFiles, build: WrittenBuild, findings: Findings) 
             drawing = read_drawing(listed.file, files.text(listed.file))
             findings += _check_page(listed.file, drawing)
             findings += _check_single(listed, drawing, shown.get((listed.material, listed.patch)), build)
+        if listed.fold is not None:
+            with findings.guarded():
+                findings += _check_half(files, listed)
     with findings.guarded():
         findings += _check_stored(files, sheets)
 
@@ -115,7 +120,7 @@ def _check_sheet(sheet: Sheet) -> Iterator[Measured]:
     yield Measured("figures of layouts", REPORT, f"{file}, utilisation", off, UTILISATION)
 
 
-def _check_piece(piece: DrawnPiece, build: WrittenBuild) -> Iterator[Measured]:
+def _check_piece(piece: DrawnPiece, listed: WrittenPiece, build: WrittenBuild) -> Iterator[Measured]:
     """Its sew line is the flat outline of its patch, turned and moved, and mirrored where it says so."""
     file, name = piece.file, str(piece)
     off = float(np.abs(piece.linear.T @ piece.linear - np.eye(2)).max())
@@ -128,7 +133,7 @@ def _check_piece(piece: DrawnPiece, build: WrittenBuild) -> Iterator[Measured]:
         raise DamagedError(file, f"{name}: there is no mesh of this patch")
     if patch.mesh.faults:
         return
-    outline, drawn = patch.mesh.outline, piece.sew_line
+    outline, drawn = listed.outline_of(patch.mesh), piece.sew_line
     if len(outline) != len(drawn):
         words = f"its sew line has {len(drawn)} vertices, the boundary of {patch.file} {len(outline)}"
         more = float(abs(len(drawn) - len(outline)))
@@ -205,7 +210,7 @@ def _check_single(
     if not one:
         return
     (piece,) = drawing.pieces
-    yield from _check_piece(piece, build)
+    yield from _check_piece(piece, listed, build)
     yield from _check_listed(listed, piece, build)
     if on_sheet is None:
         return
@@ -214,6 +219,17 @@ def _check_single(
         off = _farthest_of_all(alone, laid)
         words = f"its path '{kind}' is another than in {on_sheet.file}"
         yield Measured("piece alone as on the sheet", listed.file, listed.patch, off, 2.0 * ROUNDED, "mm", words)
+
+
+def _check_half(files: WrittenFiles, listed: WrittenPiece) -> Iterator[Measured]:
+    """What is cut on folded cloth is the patch's own half."""
+    file = f"pieces/{listed.name}_on_fold.svg"
+    drawing = read_drawing(file, files.text(file))
+    yield from _check_page(file, drawing)
+    halves = [line.points for piece in drawing.pieces for line in piece.lines.get("sew", [])]
+    off = _farthest_of_all([listed.half], halves)
+    words = f"not the half that is in {PIECES}"
+    yield Measured("halves on the fold", file, listed.name, off, 2.0 * ROUNDED, "mm", words)
 
 
 def _check_listed(listed: WrittenPiece, piece: DrawnPiece, build: WrittenBuild) -> Iterator[Measured]:
@@ -225,8 +241,9 @@ def _check_listed(listed: WrittenPiece, piece: DrawnPiece, build: WrittenBuild) 
         yield Measured("pieces as they are drawn", PIECES, listed.name, off, 2.0 * ROUNDED, "mm", words)
     patch = build.patches.get(listed.patch)
     if patch is not None and not patch.mesh.faults:
-        off = _farthest_of_all([listed.sew_line], [patch.mesh.outline])
-        yield Measured("sew lines bit by bit", PIECES, listed.name, off, 0.0, "mm", f"off the `vt` of {patch.file}")
+        off = _farthest_of_all([listed.sew_line], [listed.outline_of(patch.mesh)])
+        allowed = 0.0 if listed.fold is None else MIRRORED
+        yield Measured("sew lines bit by bit", PIECES, listed.name, off, allowed, "mm", f"off the `vt` of {patch.file}")
 
 
 def _farthest_of_all(lines: Sequence[Floats], others: Sequence[Floats]) -> float:
