@@ -158,9 +158,11 @@ def _single(*arrays: Floats) -> float:
     return min(SINGLE * max(float(np.abs(array).max()) for array in arrays), EXACT)
 
 
-def _whole(build: WrittenBuild) -> Model:
+def _whole(file: str, build: WrittenBuild) -> Model:
     """All patches as one mesh, in the order of the report."""
     meshes = [patch.mesh for patch in build.patches.values()]
+    if not meshes:
+        raise DamagedError(file, "there is no mesh to compare it with")
     starts = np.cumsum([0, *(len(mesh.vertices) for mesh in meshes)])
     return Model(
         np.concatenate([mesh.vertices for mesh in meshes]),
@@ -184,13 +186,13 @@ def _patches_of(kind: str, file: str, models: dict[str, Model], build: WrittenBu
 
 
 def _ply(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
-    model, whole = read_ply(file, files.content(file)), _whole(build)
+    model, whole = read_ply(file, files.content(file)), _whole(file, build)
     yield from _same_model("PLY", file, "", model, whole, _single(whole.vertices, whole.flat))
 
 
 def _obj(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
     mesh = files.mesh(file)
-    yield from _same_model("OBJ", file, "", Model(mesh.vertices, mesh.flat, mesh.triangles), _whole(build), EXACT)
+    yield from _same_model("OBJ", file, "", Model(mesh.vertices, mesh.flat, mesh.triangles), _whole(file, build), EXACT)
 
 
 def _sewing(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
