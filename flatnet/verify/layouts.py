@@ -255,7 +255,7 @@ def _farthest_of_all(lines: Sequence[Floats], others: Sequence[Floats]) -> float
 def _check_stored(files: WrittenFiles, sheets: Sequence[Sheet]) -> Iterator[Measured]:
     """layout.json, which the next build uses, holds the placements of the report."""
     layouts = Record(STORED, files.json(STORED)).record("layouts")
-    stored = [sheet for digest in layouts.names() for sheet in layouts.lists(digest)]
+    stored = [sheet for digest in layouts.names() for sheet in layouts.record(digest).lists("sheets")]
     for sheet in sheets:
         if not sheet.record.flag("draft"):
             absent = float(sheet.record.lists("pieces") not in stored)
