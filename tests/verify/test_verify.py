@@ -260,8 +260,9 @@ PLANTED = {
             f"{f.group(1)}{float(f.group(2)) - 0.01:.3f},", text), "back", 1, "pieces/back.svg"),
         "piece alone as on the sheet", "pieces/back.svg", "back", (0.01, 1e-6)),
     "a placement stored otherwise": (
-        lambda out: edit_json(out, "layout.json", lambda content: next(iter(content["layouts"].values()))["sheets"][0][0].update(
-            x_mm=1.0)), "placements stored", "layout.json", "layout-", (1, 0)),
+        lambda out: edit_json(
+            out, "layout.json",
+            lambda content: next(iter(content["layouts"].values()))["sheets"][0][0].update(x_mm=1.0)), "placements stored", "layout.json", "layout-", (1, 0)),
     "a piece listed otherwise than it is drawn": (
         lambda out: edit_json(out, "pieces.json", lambda content: record(content, "pieces", "name", "back")["cut_line"][
             0].__setitem__(0, 0.0)), "pieces as they are drawn", "pieces.json", "back", (None, 0)),
