@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.verify.measured import Measured, damage
-from flatnet.verify.mesh import WrittenMesh
+from flatnet.verify.mesh import WrittenMesh, farthest
 from flatnet.verify.written import REPORT, DamagedError, Record, WrittenFiles
 
 Floats = NDArray[np.float64]
@@ -83,6 +83,7 @@ class WrittenPiece:
     name : that of its drawing.
     cut, mirrored : how many plain and mirrored copies.
     sew_line, cut_line, holes : closed, (k, 2) float, mm, in its own frame.
+    lines : class of its other paths -> their lines, (k, 2) each.
     fold : (2, 2) float, mm: start and end of the line across which its patch, one half of it, is mirrored; or None.
     """
 
@@ -94,7 +95,8 @@ class WrittenPiece:
     sew_line: Floats
     cut_line: Floats
     holes: tuple[Floats, ...]
-    fold: Floats | None = None
+    lines: dict[str, list[Floats]]
+    fold: Floats | None
 
     @property
     def file(self) -> str:
@@ -155,9 +157,12 @@ def read_build(files: WrittenFiles, report: Record, findings: Findings) -> Writt
                 _read_patch(files, record, listed, build)
     with findings.guarded():
         network = Record(NETWORK, files.json(NETWORK))
+        nodes = network.record("nodes")
         for record in network.records("curves"):
             with findings.guarded():
-                build.curves[record.text("name")] = _curve(record)
+                curve = build.curves[record.text("name")] = _curve(record)
+                off = _off_nodes(record, curve, nodes)
+                findings.append(Measured("curves end in their nodes", NETWORK, record.text("name"), off, 0.0, "mm"))
     return build
 
 
@@ -179,7 +184,13 @@ def _piece(record: Record) -> WrittenPiece:
     fold = record.numbers("fold", 2) if record.has("fold") else None
     if len(sew_line) < 3 or len(cut_line) < 3 or (fold is not None and fold.shape != (2, 2)):
         raise DamagedError(PIECES, f"the lines of '{name}' are no outlines")
-    return WrittenPiece(name, patch, material, cut, mirrored, sew_line, cut_line, holes, fold)
+    lines = {
+        "notch": [line for notch in record.records("notches") for line in notch.point_lists("lines")],
+        "nick": [nick.numbers("points", 2) for nick in record.records("nicks")] if record.has("nicks") else [],
+        "internal": [line for mark in record.records("marks") for line in mark.point_lists("lines")],
+        "grain": [record.numbers("grain", 2)] if record.has("grain") else [],
+    }
+    return WrittenPiece(name, patch, material, cut, mirrored, sew_line, cut_line, holes, lines, fold)
 
 
 def _read_patch(files: WrittenFiles, record: Record, listed: set[str], build: WrittenBuild) -> None:
@@ -195,6 +206,14 @@ def _read_patch(files: WrittenFiles, record: Record, listed: set[str], build: Wr
             return
     if name not in build.failed:
         raise DamagedError(REPORT, f"patch '{name}' was made, and has no piece in {PIECES} or no mesh among the files")
+
+
+def _off_nodes(record: Record, curve: WrittenCurve, nodes: Record) -> float:
+    """How far its ends are from the nodes that it names, mm; of a closed one without nodes, from each other."""
+    if not record.has("from"):
+        return farthest(curve.vertices[:1], curve.vertices[-1:])
+    ends = np.array([nodes.numbers(record.text(end)) for end in ("from", "to")])
+    return farthest(curve.vertices[[0, -1]], ends) if ends.shape == (2, 3) else np.nan
 
 
 def _curve(record: Record) -> WrittenCurve:

@@ -234,8 +234,11 @@ def _check_half(files: WrittenFiles, listed: WrittenPiece) -> Iterator[Measured]
 
 def _check_listed(listed: WrittenPiece, piece: DrawnPiece, build: WrittenBuild) -> Iterator[Measured]:
     """pieces.json has the lines that are drawn, and the sew line that the mesh has."""
-    for kind, lines in (("sew", [listed.sew_line]), ("cut", [listed.cut_line, *listed.holes])):
+    wanted = {"sew": [listed.sew_line], "cut": [listed.cut_line, *listed.holes], **listed.lines}
+    for kind, lines in wanted.items():
         drawn = [line.points for line in piece.lines.get(kind, [])]
+        if kind == "grain":
+            drawn = drawn[:1]  # its arrow heads follow
         off = _farthest_of_all(lines, drawn)
         words = f"its {kind} line is another than in {piece.file}"
         yield Measured("pieces as they are drawn", PIECES, listed.name, off, 2.0 * ROUNDED, "mm", words)
