@@ -64,14 +64,29 @@ class WrittenCurve:
 
 
 @dataclass(frozen=True, eq=False)
+class WrittenHide:
+    """Outlines, (k, 2) mm each, y up, from (0, 0); `zones` with the name of their quality."""
+
+    outline: Floats
+    defects: tuple[Floats, ...]
+    zones: tuple[tuple[str, Floats], ...]
+
+    @property
+    def width(self) -> float:
+        return float(self.outline[:, 1].max())
+
+
+@dataclass(frozen=True, eq=False)
 class WrittenMaterial:
-    """A roll; `rotations` None: free; `length` inf: no limit."""
+    """What pieces are cut from; `rotations` None: free; `length` and `count` (of sheets) inf: no limit."""
 
     width: float
     length: float
     rotations: Floats | None
     gap: float
     strain: float
+    count: float
+    hides: tuple[WrittenHide, ...]
 
 
 @dataclass(frozen=True, eq=False)
@@ -83,6 +98,7 @@ class WrittenPiece:
     name : that of its drawing.
     cut, mirrored : how many plain and mirrored copies.
     sew_line, cut_line, holes : closed, (k, 2) float, mm, in its own frame.
+    zone, match : the zone of a hide that it asks for, or ""; whether all copies lie in one direction.
     lines : class of its other paths -> their lines, (k, 2) each.
     fold : (2, 2) float, mm: start and end of the line across which its patch, one half of it, is mirrored; or None.
     """
@@ -97,6 +113,8 @@ class WrittenPiece:
     holes: tuple[Floats, ...]
     lines: dict[str, list[Floats]]
     fold: Floats | None
+    zone: str
+    match: bool
 
     @property
     def file(self) -> str:
@@ -167,13 +185,22 @@ def read_build(files: WrittenFiles, report: Record, findings: Findings) -> Writt
 
 
 def _material(record: Record) -> WrittenMaterial:
+    hides = tuple(_hide(hide) for hide in record.records("hides")) if record.has("hides") else ()
+    count = len(hides) or (record.number("sheets") if record.has("sheets") else np.inf)
     return WrittenMaterial(
         width=record.number("width"),
         length=record.number("length") if record.has("length") else np.inf,
         rotations=record.numbers("rotations") if record.has("rotations") else None,
         gap=record.number("gap"),
         strain=record.number("strain"),
+        count=count,
+        hides=hides,
     )
+
+
+def _hide(record: Record) -> WrittenHide:
+    zones = tuple((zone.text("0"), zone.numbers("1", 2)) for zone in record.pairs("zones"))
+    return WrittenHide(record.numbers("outline", 2), tuple(record.point_lists("defects")), zones)
 
 
 def _piece(record: Record) -> WrittenPiece:
@@ -190,7 +217,9 @@ def _piece(record: Record) -> WrittenPiece:
         "internal": [line for mark in record.records("marks") for line in mark.point_lists("lines")],
         "grain": [record.numbers("grain", 2)] if record.has("grain") else [],
     }
-    return WrittenPiece(name, patch, material, cut, mirrored, sew_line, cut_line, holes, lines, fold)
+    zone = record.text("zone") if record.has("zone") else ""
+    match = record.has("match") and record.flag("match")
+    return WrittenPiece(name, patch, material, cut, mirrored, sew_line, cut_line, holes, lines, fold, zone, match)
 
 
 def _read_patch(files: WrittenFiles, record: Record, listed: set[str], build: WrittenBuild) -> None:

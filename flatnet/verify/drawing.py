@@ -152,6 +152,8 @@ def _lines(commands: str) -> list[DrawnLine]:
         numbers = _numbers(points[:-1] if closed else points)
         if len(numbers) % 2:
             raise ValueError(f"path 'M {points[:30]}': an odd number of coordinates")
+        if len(numbers) < 6 and closed:
+            raise ValueError(f"path 'M {points[:30]}': no outline")
         lines.append(DrawnLine(numbers.reshape(-1, 2), closed))
     if not commands.startswith("M") or not lines:
         raise ValueError(f"path '{commands[:30]}' does not begin with M")

@@ -4,16 +4,16 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 
 import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from flatnet.verify.build import PIECES, Findings, WrittenBuild, WrittenMaterial, WrittenPiece
+from flatnet.verify.build import PIECES, Findings, WrittenBuild, WrittenPiece
 from flatnet.verify.drawing import Drawing, DrawnPiece, read_drawing
 from flatnet.verify.measured import APART, DRAWN, RIGID, ROTATION, Measured
 from flatnet.verify.mesh import aligned, farthest
+from flatnet.verify.sheets import ROUNDED, Sheet, check_inside, check_sheet, sheet_of
 from flatnet.verify.written import REPORT, DamagedError, Record, WrittenFiles
 
 Floats = NDArray[np.float64]
@@ -21,47 +21,33 @@ Floats = NDArray[np.float64]
 STORED = "layout.json"
 #: Side of the square that is drawn to measure the scale, mm.
 TEST_SQUARE = 50.0
-#: Half of the last digit of a drawing, mm.
-ROUNDED = 0.0005 + 1e-9
 #: Of a sew line that is mirrored across its fold, from its mesh's: round-off, mm.
 MIRRORED = 1e-9
-#: utilisation is a figure of the cut lines, which are drawn rounded; relative.
-UTILISATION = 1e-4
-
-
-@dataclass(frozen=True, eq=False)
-class Sheet:
-    """A layout of the report with its drawing."""
-
-    file: str
-    material_name: str
-    material: WrittenMaterial
-    record: Record
-    drawing: Drawing
 
 
 def check_layouts(files: WrittenFiles, build: WrittenBuild, findings: Findings) -> None:
     """All sheets, the single pieces, and the stored placements."""
-    sheets = []
+    sheets: list[Sheet] = []
     with findings.guarded():
         for record in build.report.records("layouts"):
             with findings.guarded():
-                name, file = record.text("material"), record.text("file")
-                if name not in build.materials:
-                    raise DamagedError(REPORT, f"{file}: there is no material '{name}' in {PIECES}")
-                drawing = read_drawing(file, files.text(file))
-                sheets.append(Sheet(file, name, build.materials[name], record, drawing))
+                drawing = read_drawing(record.text("file"), files.text(record.text("file")))
+                number = 1 + sum(sheet.material_name == record.text("material") for sheet in sheets)
+                sheets.append(sheet_of(record, number, build, drawing))
     findings += _check_copies(sheets, build)
     for sheet in sheets:
         findings += _check_page(sheet.file, sheet.drawing)
         with findings.guarded():
-            findings += _check_sheet(sheet)
+            findings += check_sheet(sheet)
         for piece in sheet.drawing.pieces:
             with findings.guarded():
-                findings += _check_piece(piece, build.piece(piece.patch, sheet.material_name), build)
-                findings += _check_place(piece, sheet, build)
+                listed = build.piece(piece.patch, sheet.material_name)
+                findings += _check_piece(piece, listed, build)
+                findings += _check_place(piece, sheet)
+                findings += check_inside(piece, listed, sheet)
         with findings.guarded():
             findings += _check_apart(sheet)
+    findings += _check_matches(sheets, build)
     shown = {(sheet.material_name, piece.patch): piece for sheet in sheets for piece in sheet.drawing.pieces}
     for listed in build.pieces:
         with findings.guarded():
@@ -103,23 +89,6 @@ def _check_page(file: str, drawing: Drawing) -> Iterator[Measured]:
     yield Measured("test square", file, "", off, 2.0 * ROUNDED, "mm", f"its side is not {TEST_SQUARE:g} mm")
 
 
-def _check_sheet(sheet: Sheet) -> Iterator[Measured]:
-    """Size of the sheet, and the figures of the report."""
-    record, material, file = sheet.record, sheet.material, sheet.file
-    width, length = record.number("sheet_width_mm"), record.number("used_length_mm")
-    yield Measured("sheet width", REPORT, file, abs(width - material.width), 0.0, "mm", "not that of its material")
-    yield Measured("sheet length", REPORT, file, max(length - material.length, 0.0), APART, "mm", "more than there is")
-    outline = [line.points for line in sheet.drawing.lines.get("sheet", [])]
-    off = float(np.abs(np.ptp(outline[0], axis=0) - [length, width]).max()) if outline else np.nan
-    yield Measured("sheet drawn", file, "", off, ROUNDED, "mm", "its outline is not the size that the report says")
-    regions = [piece.region for piece in sheet.drawing.pieces]
-    used = max((region.bounds[2] for region in regions), default=0.0)
-    yield Measured("figures of layouts", REPORT, f"{file}, used_length_mm", abs(used - length), DRAWN, "mm")
-    part = sum(region.area for region in regions) / (width * length)
-    off = abs(part - record.number("utilisation")) / part if part else np.nan
-    yield Measured("figures of layouts", REPORT, f"{file}, utilisation", off, UTILISATION)
-
-
 def _check_piece(piece: DrawnPiece, listed: WrittenPiece, build: WrittenBuild) -> Iterator[Measured]:
     """Its sew line is the flat outline of its patch, turned and moved, and mirrored where it says so."""
     file, name = piece.file, str(piece)
@@ -152,11 +121,28 @@ def _check_piece(piece: DrawnPiece, listed: WrittenPiece, build: WrittenBuild) -
         yield Measured("grain along x", file, name, across, 2.0 * ROUNDED, "mm", "of the piece's own frame")
 
 
-def _check_place(piece: DrawnPiece, sheet: Sheet, build: WrittenBuild) -> Iterator[Measured]:
-    """It lies where the report says, in an allowed rotation, inside the sheet."""
-    file, name, material = sheet.file, str(piece), sheet.material
+def _rotation(piece: DrawnPiece) -> float:
+    """In which it lies, degrees."""
     turn = np.diag([1.0, -1.0]) @ piece.linear @ np.diag([1.0, -1.0 if piece.mirrored else 1.0])
-    rotation = float(np.degrees(np.arctan2(turn[1, 0], turn[0, 0])))
+    return float(np.degrees(np.arctan2(turn[1, 0], turn[0, 0])))
+
+
+def _check_matches(sheets: Sequence[Sheet], build: WrittenBuild) -> Iterator[Measured]:
+    """All copies of a piece that is to match lie in one direction."""
+    for listed in build.pieces:
+        if not listed.match:
+            continue
+        of_material = [sheet for sheet in sheets if sheet.material_name == listed.material]
+        copies = [piece for sheet in of_material for piece in sheet.drawing.pieces if piece.patch == listed.patch]
+        for piece in copies:
+            off = _away(_rotation(piece), _rotation(copies[0]))
+            yield Measured("copies that match", piece.file, str(piece), off, ROTATION, "deg", f"against {copies[0]}")
+
+
+def _check_place(piece: DrawnPiece, sheet: Sheet) -> Iterator[Measured]:
+    """It lies where the report says, in an allowed rotation."""
+    file, name, material = sheet.file, str(piece), sheet.material
+    rotation = _rotation(piece)
     if material.rotations is not None:
         off = min(_away(rotation, angle) for angle in material.rotations.tolist())
         words = f"it is turned by {rotation:.6g} degrees, which the material does not allow"
@@ -172,14 +158,10 @@ def _check_place(piece: DrawnPiece, sheet: Sheet, build: WrittenBuild) -> Iterat
         angle = np.radians(found[0].number("rotation_deg"))
         spun = np.array([[np.cos(angle), -np.sin(angle)], [np.sin(angle), np.cos(angle)]])
         linear = np.diag([1.0, -1.0]) @ spun @ np.diag([1.0, -1.0 if piece.mirrored else 1.0])
-        shift = [found[0].number("x_mm"), material.width - found[0].number("y_mm")]
+        shift = [found[0].number("x_mm"), sheet.width - found[0].number("y_mm")]
         own = piece.lines["sew"][0].points
         off = farthest(own @ linear.T + shift, piece.sew_line)
         yield Measured("pieces where the report says", file, name, off, DRAWN, "mm", "drawn elsewhere")
-    left, top, right, bottom = piece.region.bounds
-    length = sheet.record.number("used_length_mm")
-    beyond = max(-left, -top, right - length, bottom - material.width)
-    yield Measured("inside the sheet", file, name, max(beyond, 0.0), APART, "mm", "beyond its edge")
 
 
 def _check_apart(sheet: Sheet) -> Iterator[Measured]:

@@ -177,6 +177,13 @@ class Record:
         """A list of lists of points, (k, 2) each."""
         return [Record(self.file, {key: points}, self._where).numbers(key, 2) for points in self.lists(key)]
 
+    def pairs(self, key: str) -> list[Record]:
+        """A list of pairs, as records with the keys 0 and 1."""
+        items = self.lists(key)
+        if not all(isinstance(item, list) and len(item) == 2 for item in items):
+            raise self._wrong(key, "list of pairs")
+        return [Record(self.file, {"0": item[0], "1": item[1]}, self._place(key)) for item in items]
+
     def indices(self, key: str, columns: int = 0) -> Any:
         array = self.numbers(key, columns)
         if (array < 0).any() or (array != np.rint(array)).any():
@@ -196,7 +203,10 @@ class Record:
         value = self.lists(key)
         return [Record(self.file, item, f"{self._place(key)}[{number}]") for number, item in enumerate(value)]
 
-    def lists(self, key: str) -> list[object]:
+    def is_list(self, key: str) -> bool:
+        return isinstance(self._get(key), list)
+
+    def lists(self, key: str) -> list[Any]:
         value = self._get(key)
         if not isinstance(value, list):
             raise self._wrong(key, "list")
