@@ -203,9 +203,6 @@ class Record:
         value = self.lists(key)
         return [Record(self.file, item, f"{self._place(key)}[{number}]") for number, item in enumerate(value)]
 
-    def is_list(self, key: str) -> bool:
-        return isinstance(self._get(key), list)
-
     def lists(self, key: str) -> list[Any]:
         value = self._get(key)
         if not isinstance(value, list):

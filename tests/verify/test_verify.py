@@ -262,7 +262,8 @@ PLANTED = {
     "a placement stored otherwise": (
         lambda out: edit_json(
             out, "layout.json",
-            lambda content: next(iter(content["layouts"].values()))["sheets"][0][0].update(x_mm=1.0)), "placements stored", "layout.json", "layout-", (1, 0)),
+            lambda content: next(iter(content["layouts"].values()))["sheets"][0][0].update(x_mm=1.0)),
+        "placements stored", "layout.json", "layout-", (1, 0)),
     "a piece listed otherwise than it is drawn": (
         lambda out: edit_json(out, "pieces.json", lambda content: record(content, "pieces", "name", "back")["cut_line"][
             0].__setitem__(0, 0.0)), "pieces as they are drawn", "pieces.json", "back", (None, 0)),
@@ -271,8 +272,8 @@ PLANTED = {
             0].__setitem__(1, record(content, "pieces", "name", "back")["sew_line"][0][1] + 1e-4)),
         "sew lines bit by bit", "pieces.json", "back", (1e-4, 1e-6)),
     "a report that lies about flattenability": (
-        lambda out: edit_json(out, "report.json", patches_metric("max_flattenability_rad", 1e-10)),
-        "figures of the report", "report.json", "back, max_flattenability_rad", (1e-10, 0.2)),
+        lambda out: edit_json(out, "report.json", patches_metric("max_flattenability_rad", 1e-6)),
+        "figures of the report", "report.json", "back, max_flattenability_rad", (1e-6, 1e-3)),
     "a report that lies about the area": (
         lambda out: edit_json(out, "report.json", patches_metric("area_mm2", 1e4)), "figures of the report",
         "report.json", "back, area_mm2", (None, 0)),
