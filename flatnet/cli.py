@@ -147,7 +147,8 @@ def _parser() -> argparse.ArgumentParser:
     text = "try cuts on the patches that fail or wrinkle, and print the best ones ready to paste"
     command = commands.add_parser("diagnose", help=text, description=text)
     command.add_argument("project", type=Path, metavar="PROJECT.yaml")
-    command.add_argument("--patch", action="append", default=[], metavar="NAME", help="only this one (may be repeated)")
+    text = "only this one, also where nothing is wrong with it (may be repeated)"
+    command.add_argument("--patch", action="append", default=[], metavar="NAME", help=text)
     _add_workers(command)
     command.add_argument(
         "-o", "--out", type=Path, metavar="FILE.png", dest="picture", help="draw them (needs matplotlib)"

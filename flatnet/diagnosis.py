@@ -27,7 +27,7 @@ class ProjectDiagnosis:
 
     Attributes
     ----------
-    diagnoses : of the patches that need a cut, in the order of the project.
+    diagnoses : of the patches that need a cut, or were named, in the order of the project.
     rings : patches with two loops, each with a seam between them.
     not_fitted : patches that are no disk for another reason, where no cut can be tried.
     fitted : how many patches were fitted.
@@ -43,7 +43,8 @@ class ProjectDiagnosis:
     def all_cured(self) -> bool:
         """Whether a seam was found for every patch that needs one."""
         made = all(isinstance(ring.result, FittedPatch) for ring in self.rings)
-        return made and not self.not_fitted and all(diagnosis.cure is not None for diagnosis in self.diagnoses)
+        wrong = [diagnosis for diagnosis in self.diagnoses if needs_cut(diagnosis.result)]
+        return made and not self.not_fitted and all(diagnosis.cure is not None for diagnosis in wrong)
 
 
 def diagnose_project(
@@ -56,7 +57,8 @@ def diagnose_project(
 
     Parameters
     ----------
-    names : of the patches to look at; none: all.
+    names : of the patches to look at, on which cuts are tried in any case; none: all but mirror images, which are
+        divided as their originals are.
     workers : how many patches are fitted at once.
 
     Raises
@@ -73,7 +75,7 @@ def diagnose_project(
     asked = set(names or project.patches)
     surface = make_surface(project)
     network = make_network(project, surface)
-    patches = [patch for patch in network.patches if patch.name in asked]
+    patches = [p for p in network.patches if p.name in asked and (names or p.mirror_of is None)]
     # A patch of several may need cuts, and each cut has two halves: there is use for all cores.
     with PatchFitter(project.limits, 2 * TRIALS, workers) as fitter:
 
@@ -83,7 +85,7 @@ def diagnose_project(
         results = fitter.fit((patch, project.patches[patch.name].fitting) for patch in patches)
         diagnoses = []
         for done, (patch, result) in enumerate(zip(patches, results, strict=True), start=1):
-            if needs_cut(result):
+            if names or needs_cut(result):
                 progress(f"cuts of {patch.name}", done, len(patches))
                 diagnoses.append(diagnose(network, patch, result, surface, fit_parts(patch.name)))
         rings = [

@@ -9,9 +9,9 @@ import numpy as np
 import psutil
 import pytest
 import yaml
+from failure_cases import closed, project, square
 from misbehaving import do, read_only
 from misfitting import fit
-from test_failures import closed, project, square
 from threadpoolctl import threadpool_limits
 from written import read_report
 

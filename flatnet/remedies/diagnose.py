@@ -70,14 +70,15 @@ class Diagnosis:
     def cure(self) -> Trial | None:
         """The best cut, where it leaves less that fails or wrinkles than there is without it.
 
-        Of a patch that can't be made one half made is a step forward: the other may be cut again.
+        Of a patch that can't be made one half made is a step forward: the other may be cut again. Of one that has
+        nothing wrong with it, the best cut that keeps it so.
         """
         if not self.trials:
             return None
         best = self.trials[0]
         if isinstance(self.result, FailedPatch):
             return best if best.unmade < 2 else None
-        return best if best.unmade == 0 and best.wrinkled < is_wrinkled(self.result) else None
+        return best if best.unmade == best.wrinkled == 0 else None
 
 
 def is_wrinkled(result: Result) -> bool:

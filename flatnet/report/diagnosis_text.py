@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
-from flatnet.fitting.results import FailedPatch
+import numpy as np
+
+from flatnet.fitting.results import FailedPatch, FittedPatch
+from flatnet.geometry.triangles import bending
 from flatnet.project.model import Project
 from flatnet.remedies.diagnose import Diagnosis, Result, Trial, is_wrinkled
 from flatnet.remedies.paste import paste
@@ -17,7 +20,8 @@ def diagnosis_lines(project: Project, diagnosis: Diagnosis) -> list[str]:
     if not diagnosis.trials:
         return [*lines, "  no cut across it was found: every straight way leads outside."]
     lines.append(f"  {len(diagnosis.trials)} cuts were tried, the best first:")
-    lines += [f"  {i}. {trial_line(diagnosis, trial)}" for i, trial in enumerate(diagnosis.trials, start=1)]
+    for i, trial in enumerate(diagnosis.trials, start=1):
+        lines += [f"  {i}. {trial_line(diagnosis, trial)}", *(f"     {line}" for line in _figures(trial))]
     if diagnosis.cure is None:
         return [*lines, "  none of them helps; change the curves around the patch, or its normals."]
     return [*lines, "  the best, to paste:", *paste(project, diagnosis).splitlines()]
@@ -42,9 +46,26 @@ def trial_line(diagnosis: Diagnosis, trial: Trial) -> str:
 
 
 def what_is_wrong(result: Result) -> str:
-    """The failure, or the warning that it wrinkles, in a sentence."""
+    """The failure, or the warning that it wrinkles, in a sentence; that nothing is, where it was asked about."""
+    if isinstance(result, FittedPatch) and not is_wrinkled(result):
+        mesh = result.mesh
+        return f"made, bending {bending(mesh.vertices, mesh.triangles):.1f}; {_left_of_it(result)}"
     finding = result.failure if isinstance(result, FailedPatch) else wrinkled(result)
     return f"{finding.code}: {finding.message}"
+
+
+def _figures(trial: Trial) -> list[str]:
+    """How the parts that were made bend and leave their normals."""
+    made = [result for result in trial.results if isinstance(result, FittedPatch)]
+    return [f"{result.patch.name}: {_left_of_it(result)}" for result in made]
+
+
+def _left_of_it(fitted: FittedPatch) -> str:
+    deviations = np.degrees(fitted.mesh.normal_deviations(fitted.patch.boundary.normals))
+    return (
+        f"the sheet turns to and fro by {np.degrees(fitted.mesh.wrinkles.turning):.0f} degrees, its normals are left "
+        f"by {deviations.mean():.1f} degrees in the mean, {deviations.max():.0f} at the most"
+    )
 
 
 def _outcome(result: Result) -> str:
