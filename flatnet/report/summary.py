@@ -7,6 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from flatnet.network.network import CurveNetwork
+from flatnet.pattern.seams import plan_seams
 from flatnet.project.model import Project
 
 #: Warnings of one code that the terminal shows, those with the largest amounts.
@@ -75,12 +76,15 @@ def _walk_lines(walks: Sequence[dict[str, Any]]) -> list[str]:
         )
     for walk in walks:
         if walk["a"] != walk["b"]:
-            lines.append(
-                f"seam walk: {walk['a']} {walk['length_a_mm']:.1f} mm on {walk['b']} {walk['length_b_mm']:.1f} mm, "
-                f"ease {walk['ease_mm']:.1f} mm ({100.0 * walk['ease_mm'] / walk['length_b_mm']:.1f} %)"
-            )
+            lines.append(f"seam walk: {_eased(walk['a'], walk['length_a_mm'], walk['b'], walk['length_b_mm'])}")
         lines += [f"{walk['a']}: warning {_told(warning)}" for warning in walk["warnings"]]
     return lines
+
+
+def _eased(first: str, length: float, second: str, plain: float) -> str:
+    """A curve on what it is sewn to, and its ease, mm."""
+    ease = f"ease {length - plain:.1f} mm ({100.0 * (length / plain - 1.0):.1f} %)"
+    return f"{first} {length:.1f} mm on {second} {plain:.1f} mm, {ease}"
 
 
 def _warnings(findings: Sequence[dict[str, Any]]) -> list[str]:
@@ -107,6 +111,11 @@ def network_lines(project: Project, network: CurveNetwork) -> list[str]:
         lines.append(f"{patch.name}: {len(patch.boundary.vertices)} boundary edges along {seams}")
     lines += [str(finding) for finding in network.failed]
     lines += [f"warning {finding}" for finding in project.findings]
+    joins = dict.fromkeys(join for seam in plan_seams(project, network).values() for join in seam.joins)
+    lines += [
+        f"{_eased(str(join.eased), join.eased.length, str(join.plain), join.plain.length)}, declared {join.ease:.1f} mm"
+        for join in joins
+    ]
     curves = {stretch.curve for stretch in network.stretches.values()}
     euler = ", ".join(map(str, network.euler_characteristics))
     not_fitted = f", of which {len(network.failed)} can't be made" if network.failed else ""

@@ -84,6 +84,8 @@ def test_notches_are_carried_to_the_same_part_of_the_other_side(tmp_path, on_cap
 def test_the_walk_compares_the_ease_with_what_is_declared(tmp_path, capsys, ease, off):
     project = sleeve(front={"notches": {"at": [15]}}, cap={"sewn_to": {"curves": ONTO, **ease}})
     (tmp_path / "sleeve.yaml").write_text(yaml.safe_dump(project))
+    assert main(["check", str(tmp_path / "sleeve.yaml")]) == 0
+    assert "mm on back + front 100.0 mm, ease 3.5 mm (3.5 %), declared" in capsys.readouterr().out
     assert main(["build", str(tmp_path / "sleeve.yaml"), "-o", str(tmp_path / "out")]) == 0
     (walk,) = [walk for walk in read_report(tmp_path / "out")["seam_walk"] if walk["a"] == "cap"]
     x = np.linspace(0.0, 100.0, 21)
