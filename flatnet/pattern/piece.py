@@ -278,7 +278,8 @@ def _notches(edged: Edging, rings: shapely.Geometry, seams: Mapping[str, Seam]) 
             continue
         spec = seam.spec.notches
         notches = [_on_boundary(stretch, notch) for notch in seam.notches]
-        if spec.nodes and len(stretches) > 1 and seams[before.seam].curve == seam.curve:
+        node = seam.end if stretch.reversed else seam.start
+        if spec.is_at(node) and len(stretches) > 1 and seams[before.seam].curve == seam.curve:
             notches.append((stretch.first, 0.0, 1))
         for edge, fraction, marks in notches:
             ends = sew_line[[edge, (edge + 1) % len(sew_line)]]

@@ -27,6 +27,7 @@ class Seam:
     notches : in the order of their arclength.
     joins : what its curve is sewn to, where that is not the other side of the same curve.
     partners : the same in words, as printed.
+    start, end : the nodes at its ends.
     """
 
     name: str
@@ -38,6 +39,8 @@ class Seam:
     notches: tuple[SeamNotch, ...] = ()
     joins: tuple[Join, ...] = ()
     partners: tuple[str, ...] = ()
+    start: str | None = None
+    end: str | None = None
 
     @property
     def description(self) -> str:
@@ -69,6 +72,8 @@ def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
             patches=tuple(patches[name]),
             length=stretch.length,
             notches=telling[name].notches,
+            start=stretch.start,
+            end=stretch.end,
         )
         for number, (name, stretch) in enumerate(stretches.items(), start=1)
     }

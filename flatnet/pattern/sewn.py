@@ -124,7 +124,8 @@ def _marked(
         spec = curves[stretch.curve].seam.notches
         if number > 0:
             between_curves = stretches[run.seams[number - 1][0]].curve != stretch.curve
-            if between_curves or (spec is not None and spec.nodes):
+            node = stretch.end if back else stretch.start
+            if between_curves or (spec is not None and spec.is_at(node)):
                 found.append((start, 1))
         own = [(stretch.length - n.arclength if back else n.arclength, n.marks) for n in notches[name]]
         found += [(start + place, marks) for place, marks in sorted(own)]

@@ -19,7 +19,7 @@ from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
 from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.section import Section
-from flatnet.project.sewing import sewn_problems
+from flatnet.project.sewing import notch_problems, sewn_problems
 from flatnet.project.values import (
     WrongValueError,
     between,
@@ -131,6 +131,7 @@ def _project(file: Path, top: Section) -> Project:
     curves = curve_images.added(curves, mirror, lambda spec, plane: curve_image(spec, plane, across, curves_across))
     top.problems += problems + image_problems(nodes, curves) + sewn_problems(curves)
     joins_crossings = top.get("join", one_of("crossings"), "") == "crossings"
+    top.problems += [] if joins_crossings else notch_problems(curves)  # crossings have names of their own
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
     materials = _materials(top.section("materials", None), mm_per_unit)

@@ -138,7 +138,7 @@ def curve_image(
         end=spec.end and of(spec.end),
         points=tuple(of_point(point) for point in spec.points),
         cast=None,
-        seam=spec.seam.image(curves),
+        seam=spec.seam.image(curves, nodes),
         fractions=tuple(replace(each, node=of(each.node)) for each in spec.fractions),
     )
 

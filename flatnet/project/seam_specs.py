@@ -38,7 +38,7 @@ class NotchSpec:
     ----------
     every : distance from the start of each stretch, again and again, mm; None: no such row.
     at, at_parts : single places along the whole curve, mm and parts of its length.
-    nodes : at the nodes that the curve passes, on pieces whose outline runs straight on there.
+    nodes : at the nodes that the curve passes, all or those that are named, on pieces whose outline runs straight on.
     marks : how many side by side at each; None: as many as tell seams apart that are alike.
     depth : from the cut line, mm.
     """
@@ -46,10 +46,14 @@ class NotchSpec:
     every: float | None = None
     at: tuple[float, ...] = ()
     at_parts: tuple[float, ...] = ()
-    nodes: bool = False
+    nodes: bool | tuple[str, ...] = False
     kind: Literal["slit", "T", "V", "castle"] = "slit"
     marks: int | None = None
     depth: float = 4.0
+
+    def is_at(self, node: str | None) -> bool:
+        """Whether there is one at a node."""
+        return self.nodes if isinstance(self.nodes, bool) else node in self.nodes
 
 
 @dataclass(frozen=True)
@@ -125,11 +129,16 @@ class SeamSpec:
     nicks: NickSpec | None = None
     sewn_to: SewnTo | None = None
 
-    def image(self, curves: Mapping[str, str]) -> SeamSpec:
-        """The same of the curve's mirror image, whose left is on the other side; `curves`: original -> image."""
-        dart, sewn = self.dart, self.sewn_to
+    def image(self, curves: Mapping[str, str], nodes: Mapping[str, str]) -> SeamSpec:
+        """The same of the curve's mirror image, whose left is on the other side.
+
+        `curves`, `nodes` : original -> image.
+        """
+        dart, sewn, notches = self.dart, self.sewn_to, self.notches
+        if notches is not None and not isinstance(notches.nodes, bool):
+            notches = replace(notches, nodes=tuple(nodes.get(name, name) for name in notches.nodes))
         if dart is not None:
             dart = replace(dart, fold="right" if dart.fold == "left" else "left")
         if sewn is not None:
             sewn = replace(sewn, curves=tuple((curves.get(name, name), back) for name, back in sewn.curves))
-        return replace(self, left=self.right, right=self.left, dart=dart, sewn_to=sewn)
+        return replace(self, left=self.right, right=self.left, notches=notches, dart=dart, sewn_to=sewn)

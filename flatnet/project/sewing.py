@@ -104,11 +104,20 @@ def _notches(section: Section, mm_per_unit: float) -> NotchSpec:
         every=inner.get("every", step, None),
         at=tuple(at),
         at_parts=tuple(parts),
-        nodes=inner.get("nodes", flag, usual.nodes),
+        nodes=_named_nodes(inner),
         kind=cast(Literal["slit", "T", "V", "castle"], inner.get("kind", kinds, "slit")),
         marks=inner.get("marks", between(integer, 1, 3), None),
         depth=inner.get("depth", step, usual.depth),
     )
+
+
+def _named_nodes(section: Section) -> bool | tuple[str, ...]:
+    """`nodes: true` for all that the curve passes, or a list of names."""
+    node = section.values.get("nodes")
+    if not isinstance(node, yaml.SequenceNode):
+        return section.get("nodes", flag, False)
+    items = section.items("nodes", node, "true, false or a list of nodes")
+    return tuple(section.read(label, item, scalar("the name of a node"), "") for label, item in items)
 
 
 def _dart(section: Section, mm_per_unit: float) -> DartSpec:
@@ -186,6 +195,19 @@ def _signed_curves(node: yaml.Node) -> tuple[tuple[str, bool], ...]:
             raise WrongValueError(each, wrong(each, expected).message)
         found.append((match[2], bool(match[1])))
     return tuple(found)
+
+
+def notch_problems(curves: Mapping[str, CurveSpec]) -> list[Problem]:
+    """Nodes that are named for notches and that their curve does not pass."""
+    problems = []
+    for curve in curves.values():
+        named = curve.seam.notches.nodes if curve.seam.notches and curve.mirror_of is None else ()
+        for name in named if isinstance(named, tuple) else ():
+            if name not in curve.nodes:
+                hint = nearest(name, curve.nodes, "nodes on it")
+                message = f"curve {curve.name!r}: notches: nodes: it passes no node {name!r}; {hint}"
+                problems.append(Problem(curve.mark, message))
+    return problems
 
 
 def sewn_problems(curves: Mapping[str, CurveSpec]) -> list[Problem]:

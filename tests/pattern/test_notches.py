@@ -108,7 +108,11 @@ def test_a_notch_stands_on_the_cut_line_over_its_place_on_the_sew_line(seed):
 def square(depth=4.0, kind="slit", stretches=None, nodes=False):
     spec = SeamSpec(3.0, 3.0, notches=NotchSpec(kind=kind, depth=depth, nodes=nodes))
     notches = (SeamNotch(0, 0.25, 25.0),)
-    seams = {f"seam_{i}": Seam(f"seam_{i}", i + 1, "rim", spec, ("piece",), 100.0, notches) for i in range(4)}
+    seams = {
+        f"seam_{i}": Seam(f"seam_{i}", i + 1, "rim", spec, ("piece",), 100.0, notches,
+                          start=f"n{i}", end=f"n{(i + 1) % 4}")
+        for i in range(4)
+    }  # fmt: skip
     return make_piece(fitted(SQUARE, stretches=stretches), cloth(), seams)
 
 
@@ -129,6 +133,12 @@ def test_kinds_differ_in_their_strokes(kind, lines, width):
 def test_nodes_have_notches_where_the_outline_runs_straight_on_along_the_curve():
     positions = [tuple(notch.position.round(9)) for notch in square(depth=2.0, nodes=True).notches]
     assert set(positions) == {(25, 0), (100, 25), (75, 100), (0, 75), (0, 0), (100, 0), (100, 100), (0, 100)}
+
+
+def test_of_named_nodes_only_these_have_notches():
+    stretches = tuple(Stretch(f"seam_{i}", i, 1, False) for i in range(4))
+    found = {tuple(notch.position.round(9)) for notch in square(2.0, "slit", stretches, ("n0", "n2")).notches}
+    assert found - {(25, 0), (100, 25), (75, 100), (0, 75)} == {(0, 0), (100, 100)}
 
 
 # --- as built

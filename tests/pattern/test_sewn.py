@@ -111,6 +111,7 @@ def test_what_can_not_be_sewn_is_a_problem_of_the_project(tmp_path):
         ({"cap": {"sewn_to": {"curves": "back", "ease": "950%"}}}, "at most 900%"),
         ({"cap": {"sewn_to": {"ease": "9%"}}}, "'curves' is missing"),
         ({"cap": {"sewn_to": ["back", "--front"]}}, "expected a curve"),
+        ({"cap": {"notches": {"nodes": ["u", "q"]}}}, "curve 'cap': notches: nodes: it passes no node 'q'"),
     ]
     for said, message in cases:
         with pytest.raises(ProjectError) as caught:

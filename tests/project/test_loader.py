@@ -93,7 +93,7 @@ def test_curves(tmp_path: Path) -> None:
     assert curves["side"].seam == SeamSpec(
         None, 0.0, Ends("mitre", 25.0), sewn_to=SewnTo((("hem", False), ("top", True)), 0.03, 0.0, Mark(24, 137))
     )
-    assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None))
+    assert curves["top"].seam == SeamSpec(None, None, Ends("mitre", None), NotchSpec(nodes=("d-e.f",)))
     assert (curves["hole"].closed, curves["hole"].start) == (True, None)
     assert (curves["ring"].closed, curves["ring"].start, curves["ring"].end) == (True, "tip", "tip")
     assert curves["hem"].mark == Mark(15, 3)
