@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 
 import numpy as np
 from numpy.typing import NDArray
@@ -43,7 +44,7 @@ def make_grain(
             at = [boundary.stretches[starts.index(node)].first for node in (first, last)]
             return Grain(chord=(at[0], at[1]))
         return Grain(unit(_place(last, stretches) - _place(first, stretches)))
-    return _along(spec, spec.grain.curve, loop, boundary, stretches)
+    return replace(_along(spec, spec.grain.curve, loop, boundary, stretches), said=spec.grain.said)
 
 
 def _along(

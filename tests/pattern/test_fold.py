@@ -139,6 +139,7 @@ def test_layouts_have_the_whole_piece_and_a_file_the_half(tmp_path, capsys):
     pieces = tmp_path / "out" / "pieces"
     assert height(pieces / "yoke.svg", "sew") == pytest.approx(120.0, abs=0.01)
     assert height(pieces / "yoke_on_fold.svg", "sew") == pytest.approx(60.0, abs=0.01)
+    assert "grain" in (pieces / "yoke.svg").read_text()  # along the fold
     assert "pieces/yoke_on_fold.svg" in read_report(tmp_path / "out")["files"]
     assert height(tmp_path / "out" / "layout-cloth.svg", "sew") == pytest.approx(120.0, abs=0.01)
     project["patches"]["yoke"]["fold"] = "bd"
