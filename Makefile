@@ -3,13 +3,20 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test lint types bench pictures clean
+.PHONY: demo test readers lint types bench pictures clean
 
 demo: $(READY)
 	$(BIN)/flatnet build projects/pants/project.yaml -o out
 
 test: $(READY)
 	$(BIN)/python -m pytest
+
+# Programs that aren't ours, with which tests/export/test_readers.py reads exports back (Debian and npm). Tests skip,
+# loudly, what is not there: without the right to install packages all else is tested.
+READERS := hp2xx inkscape librsvg2-bin poppler-utils python3-cssselect python3-lxml python3-numpy
+readers:
+	-DEBIAN_FRONTEND=noninteractive sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-recommends $(READERS)' >/dev/null
+	-cd tests/export/readers && npm install --silent --no-audit --no-fund --no-package-lock
 
 lint: $(READY)
 	$(BIN)/ruff check flatnet tests projects

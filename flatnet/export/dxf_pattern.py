@@ -71,18 +71,29 @@ def write_dxf_pattern(path: Path, content: PieceFile, dialect: Dialect) -> list[
     page = document.modelspace()
     size = plain(content.size) or "ONE"
     _write_texts(page, _style(content, dialect, plain, size))
-    titles = {name: f"{plain(name)}_{plain(size)}" for name in content.pieces}
-    names = safe_file_names(titles.values())
-    for name, piece in content.pieces.items():
-        block = document.blocks.new(names[titles[name]])
+    titles = [plain(title) for title in _titles(content)]
+    # Names that differ in their accents only are the same now: blanks keep them apart until they are numbered.
+    unique = [f"{title}_{size}{' ' * titles[:number].count(title)}" for number, title in enumerate(titles)]
+    names = safe_file_names(unique)
+    for title, long_name, piece in zip(titles, unique, content.pieces.values(), strict=True):
+        block = document.blocks.new(names[long_name])
         block.block.dxf.flags = 64
         block.block.dxf.layer = str(CUT)
-        _Block(block, dialect, plain).draw(piece, name, size)
+        _Block(block, dialect, plain).draw(piece, title, size)
         page.add_blockref(block.name, (0.0, 0.0), dxfattribs={"layer": str(CUT)})
     text = io.StringIO()
     addon.export_stream(document, text)
     path.write_text(text.getvalue(), encoding="ascii")
     return plain.notes(path.name)
+
+
+def _titles(content: PieceFile) -> list[str]:
+    """Of every piece: its patch's name, of one that is cut from a further material with that."""
+    patches = [piece.name for piece in content.pieces.values()]
+    return [
+        patch if patch not in patches[:number] else f"{patch} {piece.material}"
+        for number, (patch, piece) in enumerate(zip(patches, content.pieces.values(), strict=True))
+    ]
 
 
 @contextmanager
@@ -144,9 +155,9 @@ class _Block:
             "Piece Name": name,
             "Size": size,
             "Quantity": hands,
-            "Annotation": " / ".join(piece.description),
-            "Category": piece.name,
-            "Material": piece.material,
+            "Annotation": " / ".join(map(self.plain, piece.description)),
+            "Category": self.plain(piece.name),
+            "Material": self.plain(piece.material),
         }
         start = piece.label.position
         for number, (key, value) in enumerate(texts.items()):

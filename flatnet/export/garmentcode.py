@@ -8,6 +8,7 @@ edge by edge.
 from __future__ import annotations
 
 import json
+import warnings
 from itertools import pairwise
 from pathlib import Path
 from typing import Any
@@ -59,10 +60,17 @@ def _panel(outline: Floats, mesh: FittedMesh) -> dict[str, object]:
     count = len(outline)
     return {
         "translation": (CM * TO_ITS_AXES @ shift).tolist(),
-        "rotation": Rotation.from_matrix(TO_ITS_AXES @ rotation).as_euler("xyz", degrees=True).tolist(),
+        "rotation": _euler_angles(TO_ITS_AXES @ rotation),
         "vertices": (CM * outline).tolist(),
         "edges": [{"endpoints": [i, (i + 1) % count]} for i in range(count)],
     }
+
+
+def _euler_angles(rotation: Floats) -> list[float]:
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # where there are several (gimbal lock), each says the same rotation
+        angles: list[float] = Rotation.from_matrix(rotation).as_euler("xyz", degrees=True).tolist()
+    return angles
 
 
 def _nearest_place(mesh: FittedMesh) -> tuple[Floats, Floats]:

@@ -24,6 +24,7 @@ def summary_lines(report: dict[str, Any], folder: Path) -> list[str]:
         lines += [f"{seam['curve']}: warning {_told(warning)}" for warning in seam["warnings"]]
     lines += _walk_lines(report["seam_walk"])
     lines += _warnings([finding for finding in report["findings"] if not finding["patch"]])
+    lines += report.get("export_notes", [])
     lines += [_sheet_line(layout, folder) for layout in report["layouts"]]
     made = sum(patch["status"] == "ok" for patch in report["patches"])
     lines.append(f"{report['status']}: {made} of {len(report['patches'])} patches made; {folder / 'report.json'}")
