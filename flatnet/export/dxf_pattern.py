@@ -26,6 +26,7 @@ from flatnet.export.lines import piece_labels, upright
 from flatnet.export.missing_library import needs
 from flatnet.export.pieces_json import PieceFile
 from flatnet.export.seven_bit import Transliterated
+from flatnet.pattern.labels import text_width
 from flatnet.pattern.marks import Mark
 from flatnet.pattern.notches import Notch
 from flatnet.pattern.piece import Piece
@@ -165,7 +166,10 @@ class _Block:
         if self.dialect.astm:
             for label in piece_labels(piece):
                 for words in upright(label, label.direction, label.position):
-                    self._text(WORDS, words.text, words.position, words.height, words.angle)
+                    # A text of these dialects begins at its place, which has to be the middle of these.
+                    along = np.array([math.cos(words.angle), math.sin(words.angle)])
+                    start = words.position - 0.5 * words.height * text_width(words.text) * along
+                    self._text(WORDS, words.text, start, words.height, words.angle)
 
     def _text(self, layer: int, text: str, place: Floats, height: float, angle: float) -> None:
         attributes = {"layer": str(layer), "insert": tuple(place.tolist()), "rotation": math.degrees(angle)}
