@@ -99,6 +99,7 @@ class WrittenPiece:
     cut, mirrored : how many plain and mirrored copies.
     sew_line, cut_line, holes : closed, (k, 2) float, mm, in its own frame.
     zone, match : the zone of a hide that it asks for, or ""; whether all copies lie in one direction.
+    notches : seam -> places of its notches on the sew line, (2,) each.
     lines : class of its other paths -> their lines, (k, 2) each.
     fold : (2, 2) float, mm: start and end of the line across which its patch, one half of it, is mirrored; or None.
     """
@@ -111,6 +112,7 @@ class WrittenPiece:
     sew_line: Floats
     cut_line: Floats
     holes: tuple[Floats, ...]
+    notches: dict[str, list[Floats]]
     lines: dict[str, list[Floats]]
     fold: Floats | None
     zone: str
@@ -204,22 +206,34 @@ def _hide(record: Record) -> WrittenHide:
 
 
 def _piece(record: Record) -> WrittenPiece:
-    name, patch, material = (record.text(key) for key in ("name", "patch", "material"))
-    holes = tuple(record.point_lists("holes"))
-    cut, mirrored = record.count("cut"), record.count("mirrored")
-    sew_line, cut_line = record.numbers("sew_line", 2), record.numbers("cut_line", 2)
-    fold = record.numbers("fold", 2) if record.has("fold") else None
-    if len(sew_line) < 3 or len(cut_line) < 3 or (fold is not None and fold.shape != (2, 2)):
-        raise DamagedError(PIECES, f"the lines of '{name}' are no outlines")
-    lines = {
-        "notch": [line for notch in record.records("notches") for line in notch.point_lists("lines")],
-        "nick": [nick.numbers("points", 2) for nick in record.records("nicks")] if record.has("nicks") else [],
-        "internal": [line for mark in record.records("marks") for line in mark.point_lists("lines")],
-        "grain": [record.numbers("grain", 2)] if record.has("grain") else [],
-    }
-    zone = record.text("zone") if record.has("zone") else ""
-    match = record.has("match") and record.flag("match")
-    return WrittenPiece(name, patch, material, cut, mirrored, sew_line, cut_line, holes, lines, fold, zone, match)
+    notches: dict[str, list[Floats]] = {}
+    for notch in record.records("notches"):
+        notches.setdefault(notch.text("seam"), []).append(notch.point("position"))
+    piece = WrittenPiece(
+        name=record.text("name"),
+        patch=record.text("patch"),
+        material=record.text("material"),
+        cut=record.count("cut"),
+        mirrored=record.count("mirrored"),
+        sew_line=record.numbers("sew_line", 2),
+        cut_line=record.numbers("cut_line", 2),
+        holes=tuple(record.point_lists("holes")),
+        notches=notches,
+        lines={
+            "notch": [line for notch in record.records("notches") for line in notch.point_lists("lines")],
+            "nick": [nick.numbers("points", 2) for nick in record.records("nicks")] if record.has("nicks") else [],
+            "internal": [line for mark in record.records("marks") for line in mark.point_lists("lines")],
+            "grain": [record.numbers("grain", 2)] if record.has("grain") else [],
+        },
+        fold=record.numbers("fold", 2) if record.has("fold") else None,
+        zone=record.text("zone") if record.has("zone") else "",
+        match=record.has("match") and record.flag("match"),
+    )
+    if min(map(len, (piece.sew_line, piece.cut_line, *piece.holes))) < 3 or (
+        piece.fold is not None and len(piece.fold) != 2
+    ):
+        raise DamagedError(PIECES, f"the lines of '{piece.name}' are no outlines")
+    return piece
 
 
 def _read_patch(files: WrittenFiles, record: Record, listed: set[str], build: WrittenBuild) -> None:

@@ -142,15 +142,9 @@ def _of_seam(seam: WrittenSeam) -> Iterator[Measured]:
     words = f"it names {', '.join(said.texts('patches'))}"
     others = float(said.texts("patches") != names)
     yield Measured("figures of the report", REPORT, f"{name}, patches", others, 0.0, words=words)
-    keys = ["a", "b"][: len(names)]
-    along = {}
-    for key, patch in zip(keys, names, strict=False):
-        sides = [side for side in seam.sides if side.patch.name == patch]
-        if not sides:
-            continue
-        side = sides[-1 if key == "b" else 0]
-        along[key] = np.concatenate([[0.0], np.cumsum(side.steps)])
-        yield _figure(name, f"length_{key}_mm", said, along[key][-1], MILLIMETRES, "mm")
+    along = {side.key: side.arclengths for side in seam.sides}
+    for key, flat in along.items():
+        yield _figure(name, f"length_{key}_mm", said, flat[-1], MILLIMETRES, "mm")
     if len(along) == 2:
         yield _figure(name, "difference_mm", said, abs(along["a"][-1] - along["b"][-1]), MILLIMETRES, "mm")
     space = np.concatenate([[0.0], np.cumsum(seam.steps)])

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flatnet.verify.build import NETWORK, Findings, WrittenBuild, WrittenCurve, WrittenPatch
+from flatnet.verify.build import NETWORK, PIECES, Findings, WrittenBuild, WrittenCurve, WrittenPatch, WrittenPiece
 from flatnet.verify.measured import LENGTH, PLACE, Measured
 from flatnet.verify.mesh import farthest, lengths
 from flatnet.verify.written import REPORT, DamagedError, Record
@@ -23,10 +23,12 @@ class SeamSide:
 
     Attributes
     ----------
+    key : `a` or `b`, as the report calls it.
     vertices : (k,) int, in the seam's direction.
     reversed : the patch's boundary runs against it.
     """
 
+    key: str
     patch: WrittenPatch
     vertices: Ints
     reversed: bool
@@ -35,6 +37,16 @@ class SeamSide:
     def steps(self) -> Floats:
         """Flat length of every edge, (k - 1,)."""
         return lengths(self.patch.mesh.flat, self.pairs)
+
+    @property
+    def arclengths(self) -> Floats:
+        """Of its vertices along the flat piece, (k,)."""
+        return np.concatenate([[0.0], np.cumsum(self.steps)])
+
+    def place(self, arclength: float) -> Floats:
+        """A point of the flat piece, (2,)."""
+        flat = self.patch.mesh.flat[self.vertices]
+        return np.array([np.interp(arclength, self.arclengths, flat[:, axis]) for axis in (0, 1)])
 
     @property
     def pairs(self) -> Ints:
@@ -67,12 +79,12 @@ def read_seams(build: WrittenBuild, findings: Findings) -> list[WrittenSeam]:
                 if name not in build.curves:
                     raise DamagedError(NETWORK, f"holds no curve '{name}', along which the report has a seam")
                 curve = build.curves[name]
-                sides = [_side(name, side, build) for side in record.records("sides")]
+                sides = [_side(name, key, side, build) for key, side in zip("ab", record.records("sides"))]
                 seams.append(WrittenSeam(name, curve, tuple(side for side in sides if side), record))
     return seams
 
 
-def _side(seam: str, record: Record, build: WrittenBuild) -> SeamSide | None:
+def _side(seam: str, key: str, record: Record, build: WrittenBuild) -> SeamSide | None:
     patch = build.patches.get(record.text("patch"))
     if patch is None or patch.mesh.faults:
         return None
@@ -89,7 +101,7 @@ def _side(seam: str, record: Record, build: WrittenBuild) -> SeamSide | None:
     if not all(forwards) and not all(backwards):
         bad = min(forwards.count(False), backwards.count(False))
         raise DamagedError(REPORT, f"{where}: {bad} of its edges do not follow the boundary of {patch.file}")
-    return SeamSide(patch, ids, not all(forwards))
+    return SeamSide(key, patch, ids, not all(forwards))
 
 
 def check_seams(build: WrittenBuild, seams: list[WrittenSeam]) -> Iterator[Measured]:
@@ -127,6 +139,25 @@ def _check_both(seam: WrittenSeam, first: SeamSide, second: SeamSide) -> Iterato
     yield Measured("both sides of a seam when flat", file, subject, worst, allowed, "mm")
     alike = float(first.reversed == second.reversed)
     yield Measured("seams join opposite sides", file, subject, alike, 0.0, words="both patches lie on the same side")
+
+
+def check_notches(build: WrittenBuild, seams: list[WrittenSeam], findings: Findings) -> None:
+    """Every notch of a seam is on the pieces of both sides, where the report says."""
+    for seam in seams:
+        for side in seam.sides:
+            for piece in build.pieces:
+                if piece.patch == side.patch.name:
+                    with findings.guarded():
+                        findings += _check_notches(seam, side, piece)
+
+
+def _check_notches(seam: WrittenSeam, side: SeamSide, piece: WrittenPiece) -> Iterator[Measured]:
+    on_piece = piece.notches.get(seam.name, [])
+    for number, notch in enumerate(seam.record.records("notches"), start=1):
+        place = side.place(notch.number(f"at_{side.key}_mm"))
+        off = min((float(np.linalg.norm(place - other)) for other in on_piece), default=np.nan)
+        subject = f"{piece.name}, notch {number} of '{seam.name}'"
+        yield Measured("notches on both sides", PIECES, subject, off, PLACE, "mm", "not where the report says")
 
 
 def _difference(first: Floats, second: Floats) -> tuple[float, float]:

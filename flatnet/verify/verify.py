@@ -11,7 +11,7 @@ from flatnet.verify.figures import check_figures
 from flatnet.verify.layouts import check_layouts
 from flatnet.verify.patches import check_patch
 from flatnet.verify.round_trip import check_folds, check_round_trip, read_folds
-from flatnet.verify.seams import WrittenSeam, check_seams, read_seams
+from flatnet.verify.seams import WrittenSeam, check_notches, check_seams, read_seams
 from flatnet.verify.written import REPORT, REPORT_FORMAT, NotABuildError, Record, WrittenFiles
 
 
@@ -47,6 +47,7 @@ def _check(files: WrittenFiles, report: Record, findings: Findings) -> None:
         findings += check_patch(patch)
     seams = read_seams(build, findings)
     findings += check_seams(build, seams)
+    check_notches(build, seams, findings)
     _check_round_trips(files, build, seams, findings)
     check_layouts(files, build, findings)
     check_exports(files, build, findings)

@@ -173,6 +173,13 @@ class Record:
             raise DamagedError(self.file, f"{self._place(key)} holds a number that is not finite")
         return array
 
+    def point(self, key: str) -> Any:
+        """Two coordinates, (2,)."""
+        array = self.numbers(key)
+        if array.shape != (2,):
+            raise self._wrong(key, "point")
+        return array
+
     def point_lists(self, key: str) -> list[Any]:
         """A list of lists of points, (k, 2) each."""
         return [Record(self.file, {key: points}, self._where).numbers(key, 2) for points in self.lists(key)]

@@ -136,6 +136,11 @@ def beside_another(out):
     placed(out, change)
 
 
+def shift(point, by=0.01):
+    """Move a point of a JSON file along x."""
+    point[0] += by
+
+
 def bend(index, by):
     """Change one of the stored dihedral angles."""
     return lambda content: content["angles"].__setitem__(index, content["angles"][index] + by)
@@ -178,8 +183,8 @@ PLANTED = {
         lambda out: move(out, WALL, "v", -1, 0.01), "figures of the report", "report.json", "wall, mean_edge_strain",
         (1e-5, 0.9)),
     "a vertex of the network moved by 0.01 mm": (
-        lambda out: edit_json(out, "network.json", lambda content: record(content, "curves", "name", "eaves")
-            ["vertices"][3].__setitem__(0, record(content, "curves", "name", "eaves")["vertices"][3][0] + 0.01)),
+        lambda out: edit_json(out, "network.json", lambda content: shift(
+            record(content, "curves", "name", "eaves")["vertices"][3])),
         "boundary on the network", "patches/front.obj", "front along 'eaves'", (0.01, 1e-6)),
     "a dihedral angle changed by 0.001 rad": (
         lambda out: edit_json(out, "patches/back.folds.json", bend(9, 1e-3)),
@@ -268,9 +273,15 @@ PLANTED = {
         lambda out: edit_json(out, "pieces.json", lambda content: record(content, "pieces", "name", "back")["cut_line"][
             0].__setitem__(0, 0.0)), "pieces as they are drawn", "pieces.json", "back", (None, 0)),
     "a sew line listed 0.0001 mm beside the mesh": (
-        lambda out: edit_json(out, "pieces.json", lambda content: record(content, "pieces", "name", "back")["sew_line"][
-            0].__setitem__(1, record(content, "pieces", "name", "back")["sew_line"][0][1] + 1e-4)),
+        lambda out: edit_json(out, "pieces.json", lambda content: shift(
+            record(content, "pieces", "name", "back")["sew_line"][0], 1e-4)),
         "sew lines bit by bit", "pieces.json", "back", (1e-4, 1e-6)),
+    "a notch moved by 0.01 mm": (
+        lambda out: edit_json(out, "pieces.json", lambda content: shift(
+            record(content, "pieces", "name", "back")["notches"][0]["position"])),
+        "notches on both sides", "pieces.json", "back, notch 1 of 'ridge'", (0.01, 1e-6)),
+    "a node moved by 0.01 mm": (
+        lambda out: edit_json(out, "network.json", lambda content: shift(content["nodes"]["a"])), "curves end in their nodes", "network.json", "eaves", (0.01, 1e-6)),
     "a report that lies about flattenability": (
         lambda out: edit_json(out, "report.json", patches_metric("max_flattenability_rad", 1e-6)),
         "figures of the report", "report.json", "back, max_flattenability_rad", (1e-6, 1e-3)),
