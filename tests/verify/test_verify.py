@@ -281,7 +281,8 @@ PLANTED = {
             record(content, "pieces", "name", "back")["notches"][0]["position"])),
         "notches on both sides", "pieces.json", "back, notch 1 of 'ridge'", (0.01, 1e-6)),
     "a node moved by 0.01 mm": (
-        lambda out: edit_json(out, "network.json", lambda content: shift(content["nodes"]["a"])), "curves end in their nodes", "network.json", "eaves", (0.01, 1e-6)),
+        lambda out: edit_json(out, "network.json", lambda content: shift(content["nodes"]["a"])),
+        "curves end in their nodes", "network.json", "eaves", (0.01, 1e-6)),
     "a report that lies about flattenability": (
         lambda out: edit_json(out, "report.json", patches_metric("max_flattenability_rad", 1e-6)),
         "figures of the report", "report.json", "back, max_flattenability_rad", (1e-6, 1e-3)),
