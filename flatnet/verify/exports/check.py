@@ -252,6 +252,18 @@ def _cut_list(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[M
     yield Measured("cut list: rows", file, "", float(abs(len(rows) - len(build.pieces))), 0.0)
 
 
+def _material_list(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
+    """A row for every layout, with as many copies."""
+    rows = list(csv.DictReader(StringIO(files.text(file).removeprefix("\ufeff"))))
+    said = [(row.get("file"), row.get("material"), row.get("copies")) for row in rows]
+    wanted = [
+        (PurePosixPath(record.text("file")).stem, record.text("material"), str(len(record.records("pieces"))))
+        for record in build.report.records("layouts")
+    ]
+    words = f"it says {said}, wanted {wanted}"
+    yield Measured("material list", file, "", float(said != wanted), 0.0, words=words)
+
+
 #: Ending of a file -> what checks it.
 CHECKS: dict[str, Check] = {
     ".svg": _svg,
@@ -263,4 +275,4 @@ CHECKS: dict[str, Check] = {
     ".obj": _obj,
 }
 #: Name of a file -> what checks it.
-NAMED: dict[str, Check] = {"sewing.json": _sewing, "cut-list.csv": _cut_list}
+NAMED: dict[str, Check] = {"sewing.json": _sewing, "cut-list.csv": _cut_list, "materials.csv": _material_list}

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import logging
 from io import BytesIO
 from typing import Any
 
@@ -28,6 +29,7 @@ def read_pdf(file: str, content: bytes) -> list[list[Floats]]:
     import pypdf
     from pypdf.errors import PyPdfError
 
+    logging.getLogger("pypdf").setLevel(logging.CRITICAL)  # what is wrong is said here
     try:
         reader = pypdf.PdfReader(BytesIO(content), strict=True)
         return [_closed_paths(page, reader) for page in reader.pages]
