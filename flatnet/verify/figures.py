@@ -47,6 +47,11 @@ def check_figures(files: WrittenFiles, build: WrittenBuild, seams: Sequence[Writ
         with findings.guarded():
             findings += _of_seam(seam)
     with findings.guarded():
+        by_name = {seam.name: seam for seam in seams}
+        for walk in build.report.records("seam_walk"):
+            with findings.guarded():
+                findings += _of_walk(walk, by_name.get(walk.text("a")) if walk.text("a") == walk.text("b") else None)
+    with findings.guarded():
         findings += _of_build(files, build)
 
 
@@ -153,6 +158,23 @@ def _of_seam(seam: WrittenSeam) -> Iterator[Measured]:
         for key, flat in along.items():
             met = float(np.interp(at, space, flat))
             yield _figure(f"{name}, notch {number}", f"at_{key}_mm", notch, met, MILLIMETRES, "mm")
+
+
+def _of_walk(walk: Record, seam: WrittenSeam | None) -> Iterator[Measured]:
+    """Its legs add up; along one seam they are those between its notches."""
+    name = f"walk along '{walk.text('a')}'"
+    legs = walk.records("legs")
+    for key in ("a", "b"):
+        along = np.cumsum([leg.number(f"{key}_mm") for leg in legs])
+        yield _figure(name, f"length_{key}_mm", walk, float(along[-1]) if len(along) else np.nan, MILLIMETRES, "mm")
+        flat = [side.arclengths[-1] for side in seam.sides if side.key == key] if seam else []
+        if seam and flat:
+            stops = [*(notch.number(f"at_{key}_mm") for notch in seam.record.records("notches")), *flat]
+            off = float(np.abs(along - stops).max()) if len(along) == len(stops) else np.nan
+            words = "its legs do not end at the notches"
+            yield Measured("figures of the report", REPORT, f"{name}, {key}", off, MILLIMETRES, "mm", words)
+    ease = walk.number("length_a_mm") - walk.number("length_b_mm")
+    yield _figure(name, "ease_mm", walk, ease, MILLIMETRES, "mm")
 
 
 def _of_build(files: WrittenFiles, build: WrittenBuild) -> Iterator[Measured]:

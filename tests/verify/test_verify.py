@@ -292,6 +292,9 @@ PLANTED = {
     "a report that lies about a seam": (
         lambda out: edit_json(out, "report.json", lambda report: record(report, "seams", "curve", "ridge").update(
             length_b_mm=200.0)), "figures of the report", "report.json", "seam 'ridge', length_b_mm", (None, 0)),
+    "a walk along a seam that is not as long": (
+        lambda out: edit_json(out, "report.json", lambda report: record(report, "seam_walk", "a", "ridge")["legs"][
+            1].update(b_mm=60.1)), "figures of the report", "report.json", "walk along 'ridge', b", (None, 0)),
     "a report that lies about the use of the sheet": (
         lambda out: edit_json(out, "report.json", lambda report: report["layouts"][0].update(utilisation=0.99)),
         "figures of layouts", "report.json", "layout-cloth.svg, utilisation", (None, 0)),
@@ -364,7 +367,7 @@ def test_every_file_is_looked_at_and_none_may_be_cut_short(built, tmp_path):
         assert not json.loads((out / "certificate.json").read_text())["passed"]
 
 
-@pytest.mark.parametrize("key", ["patches", "seams", "layouts", "files", "project", "status"])
+@pytest.mark.parametrize("key", ["patches", "seams", "seam_walk", "layouts", "files", "project", "status"])
 @pytest.mark.parametrize("value", [None, 3, [3], {"name": 3}])
 def test_a_report_of_another_shape_is_damage_and_no_traceback(out, key, value):
     edit_json(out, "report.json", lambda report: report.update({key: value}))
