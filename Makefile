@@ -3,7 +3,7 @@ VENV := .venv
 BIN := $(VENV)/bin
 READY := $(VENV)/.ready
 
-.PHONY: demo test readers lint types bench pictures clean
+.PHONY: demo test readers lint types bench pictures failures clean
 
 demo: $(READY)
 	$(BIN)/flatnet build projects/pants/project.yaml -o out
@@ -32,6 +32,10 @@ bench: $(READY)
 # Builds every project and draws docs/pictures; ARGS="boat bag" those alone.
 pictures: $(READY)
 	$(BIN)/python -m tests.pictures $(ARGS)
+
+# The table and the pictures of docs/failures.md, in about three minutes.
+failures: $(READY)
+	$(BIN)/python tests/failure_table.py $(ARGS)
 
 # The environment is made once and again whenever pyproject.toml changes.
 $(READY): pyproject.toml

@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 import trimesh
-from benchmark.boundaries import wrinkle
 from crossing import as_project, omega, spiral
 
 UP = [0.0, 0.0, 1.0]
@@ -144,10 +143,19 @@ def time_limit():
     return alone(saddle(), limits={"seconds": 1}, edge_length=2.5)
 
 
-def wrinkled():
-    """A rectangle of the graph z = 0.12 sin(5 pi x) (0.3 + 0.7 y), 200 x 150 mm."""
-    vertices, normals = wrinkle(60)
-    return given(100 * vertices, normals, edge_length=9)
+def wrinkled(radius=5.0, length=60.0, width=30.0, count=32):
+    """A strip with a step: it bends up by 80 degrees and back at once, which is a wrinkle for the measure."""
+    bend, edge = np.radians(80.0), length / count
+    along = (np.arange(count) + 0.5) * edge - 0.5 * length
+    heading = np.clip(bend - np.abs(along) / radius, 0.0, None)
+    x = np.r_[0.0, np.cumsum(edge * np.cos(heading))]
+    z = np.r_[0.0, np.cumsum(edge * np.sin(heading))]
+    up, level = np.c_[-np.sin(heading), 0 * heading, np.cos(heading)], np.tile(UP, (count // 2, 1))
+    y, none = np.linspace(0.0, width, count // 2 + 1), np.zeros(count + 1)
+    near, far = np.c_[x, none, z], np.c_[x, none + width, z]
+    right, left = np.c_[0 * y + x[-1], y, 0 * y + z[-1]], np.c_[0 * y, y, 0 * y]
+    vertices = np.concatenate([near[:-1], right[:-1], far[:0:-1], left[:0:-1]])
+    return given(vertices, np.concatenate([up, level, up[::-1], level]), edge_length=2)
 
 
 def lid(folder):
@@ -229,11 +237,18 @@ def mark_off(height=30.0):
     return alone(square(), patch={"marks": {"button": {"at": [50, 50, height]}}})
 
 
-def dome(lean=0.7):
-    """A level ring with the normals of a dome."""
-    t = np.linspace(0, 2 * np.pi, 40, endpoint=False)
-    ring = np.c_[100 * np.cos(t), 100 * np.sin(t), 5 * np.cos(2 * t)]
-    return alone(closed(ring, np.c_[lean * np.cos(t), lean * np.sin(t), np.ones(40)]))
+def cone(lean=0.7, slit=False):
+    """A level ring with the normals of a cone, and cut open up to where its tip is."""
+    t = np.linspace(0, 2 * np.pi, 41)
+    ring = np.c_[100 * np.cos(t), 100 * np.sin(t), 0 * t]
+    normals = np.c_[lean * np.cos(t), lean * np.sin(t), 0 * t + 1].tolist()
+    rim = {"from": "a", "to": "a", "points": ring[1:-1].tolist(), "normals": {"per": "point", "values": normals}}
+    content = alone(rim, nodes={"a": ring[0].tolist()})
+    if slit:
+        content["nodes"]["tip"] = [0, 0, 100 * lean]
+        content["curves"]["dart"] = {"from": "a", "to": "tip", "slit": True, "normals": normals[0]}
+        content["patches"]["sheet"]["around"] = ["sheet", "dart", "-dart"]
+    return content
 
 
 def normals_gave_way():
@@ -261,6 +276,35 @@ def outline_opened():
 
 def no_grain():
     return alone(square(), patch={"grain": "up"})
+
+
+def rectangles(widths, changes):
+    """Rectangles 100 mm high side by side, `a0b0` the lower side of the first, with changes of curves and patches."""
+    nodes, curves, patches = {}, {}, {}
+    for i, width in enumerate(widths):
+        x = 200 * i
+        corners = [[x, 0, 0], [x + width, 0, 0], [x + width, 100, 0], [x, 100, 0]]
+        names = [f"{letter}{i}" for letter in "abcd"]
+        nodes |= dict(zip(names, corners, strict=True))
+        around = [p + q for p, q in zip(names, names[1:] + names[:1], strict=True)]
+        curves |= {name: {"from": name[:2], "to": name[2:], "normals": UP} for name in around}
+        patches[f"sheet{i}"] = {"around": around}
+    for name, change in changes.items():
+        (curves.get(name) or patches[name]).update(change)
+    content = project(curves, patches, nodes=nodes)
+    del content["curves"]["good"], content["patches"]["good"]
+    return content
+
+
+def no_fold():
+    """Half a piece, its fold bowed by 5 mm."""
+    bow = {"kind": "spline", "points": [[50, -5, 0]]}
+    return rectangles([100], {"sheet0": {"fold": "a0b0"}, "a0b0": bow})
+
+
+def ease_off():
+    """A side of 105 mm sewn to one of 100, and no word of ease."""
+    return rectangles([100, 105], {"a1b1": {"sewn_to": "a0b0"}})
 
 
 def draft_layout():
@@ -354,7 +398,7 @@ CASES = {
         time_limit, "a saddle of 6,000 vertices, and one second", "`limits: {seconds: 600}`, a larger `edge_length`",
         lambda content: content | {"limits": {"seconds": 600}, "edge_length": 5},
     ),
-    "wrinkled": Case(wrinkled, "a sheet whose rims wave five times", "`--auto-split`", "split"),
+    "wrinkled": Case(wrinkled, "a strip with a step of 80 degrees", "`--auto-split`", "split"),
     "inside_surface": Case(lid, "a sheet over a cap of a ball", "the cut that `diagnose --patch` finds", "cut", True),
     "off_surface": Case(
         beside, "the image of a patch on a ball that lies 5 mm off the mirror plane", "a ball with two equal halves",
@@ -375,8 +419,18 @@ CASES = {
         deep_notch, "notches 4 mm deep, an allowance of 3", "`depth: 3`",
         edit("curves", "sheet", "notches", to={"every": 100, "depth": 3}),
     ),
+    "no_fold": Case(
+        no_fold, "half a piece, its fold bowed by 5 mm", "the fold straight",
+        lambda _: rectangles([100], {"sheet0": {"fold": "a0b0"}}),
+    ),
+    "ease_off": Case(
+        ease_off, "a side of 105 mm sewn to one of 100", "`ease: 5`",
+        edit("curves", "a1b1", "sewn_to", to={"curves": "a0b0", "ease": 5}),
+    ),
     "mark_off": Case(mark_off, "a button 30 mm above its patch", "put on the patch", lambda _: mark_off(0.0)),
-    "normals_contradict": Case(dome, "a level ring with the normals of a dome", "the cut of `diagnose --patch`", "cut"),
+    "normals_contradict": Case(
+        cone, "a level ring with the normals of a cone", "a dart up to its tip", lambda _: cone(slit=True)
+    ),
     "normals_gave_way": Case(
         normals_gave_way, "the same of eight edges, `normal_weight: 300`", "`normal_weight: 1`",
         edit(*SHEET, "fitting", to={"normal_weight": 1}),

@@ -1,6 +1,6 @@
-"""Run every case, then its remedy, and write what came of both into docs/failures.md: `make failures`.
+"""Run every case, then its remedy, and write what came of both into docs/failures.md, with pictures: `make failures`.
 
-`python tests/failure_table.py CODE ...` runs these codes alone and prints their rows.
+`python tests/failure_table.py CODE ...` runs and draws these codes alone; the other rows stay.
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ from typing import Any
 import numpy as np
 import yaml
 from failure_cases import CASES, Case, project, square
+from failure_pictures import draw, outlines
 from misfitting import fit
 
 from flatnet.build import build
@@ -32,6 +33,7 @@ from flatnet.project.drawings.joining import join_curves
 from flatnet.remedies.paste import paste
 
 PAGE = Path(__file__).parents[1] / "docs" / "failures.md"
+PICTURES = PAGE.parent / "pictures" / "failures"
 BEGIN, END = "<!-- table: make failures -->", "<!-- end of table -->"
 HEAD = "| code | case | detected | remedy tried | result after it |\n|---|---|---|---|---|"
 
@@ -64,9 +66,14 @@ class Outcome:
         for patch in self.report["patches"]:
             yield from ([patch["failure"]] if patch["failure"] else [])
             yield from patch["warnings"]
-        for seam in self.report["seams"]:
+        for seam in (*self.report["seams"], *self.report["seam_walk"]):
             yield from seam["warnings"]
         yield from self.report["findings"]
+
+    @property
+    def failed(self) -> list[str]:
+        """The patches that could not be made."""
+        return [patch["name"] for patch in self.report["patches"] if patch["failure"]] if self.report else []
 
     def of(self, code: str) -> list[dict[str, Any]]:
         return [finding for finding in self.findings() if finding["code"] == code]
@@ -100,20 +107,21 @@ def said(stage: str, amount: float | None, unit: str) -> str:
     return stage if amount is None else f"{stage}, {amount:.3g} {unit}".rstrip()
 
 
-def row(code: str) -> Row:
-    """Run the case of a code, then its remedy."""
+def row(code: str, pictures: bool = False) -> Row:
+    """Run the case of a code, then its remedy; draw both where the page shows them."""
     if code in BY_HAND:
         return BY_HAND[code](code)
     with tempfile.TemporaryDirectory() as name:
-        return tried(code, CASES[code].content(Path(name)), Path(name))
-
-
-def tried(code: str, content: dict[str, Any], folder: Path) -> Row:
-    """The row of a case with its remedy; both builds are left in the folder, as `before` and `after`."""
-    case = CASES[code]
-    before = built(folder / "before", content, case.split)
-    after = cured(folder / "after", case, content)
-    return Row(code, case.words, before.detected(code), case.remedy, after.result(code))
+        folder, case = Path(name), CASES[code]
+        content = case.content(folder)
+        before = built(folder / "before", content, case.split)
+        failed = outlines(folder / "project.yaml", before.failed)
+        after = cured(folder / "after", case, content)
+        found = Row(code, case.words, before.detected(code), case.remedy, after.result(code))
+        picture = PICTURES / f"{code}.png"
+        if pictures and f"({picture.relative_to(PAGE.parent).as_posix()})" in PAGE.read_text(encoding="utf-8"):
+            draw(picture, folder / "before", folder / "after", failed)
+    return found
 
 
 def built(out: Path, content: dict[str, Any], split: bool = False, **rest: Any) -> Outcome:
@@ -150,6 +158,7 @@ def pasted(folder: Path, content: dict[str, Any]) -> dict[str, Any]:
         "nodes": content.get("nodes", {}) | lines.get("nodes", {}),
         "curves": content["curves"] | lines["curves"],
         "patches": patches | lines["patches"],
+        "rest": "openings",
     }
 
 
@@ -250,15 +259,21 @@ BY_HAND: dict[str, Callable[[str], Row]] = {
 }
 
 
+def committed() -> dict[str, Row]:
+    """The rows of the page, by code."""
+    lines = PAGE.read_text(encoding="utf-8").split(BEGIN)[1].split(END)[0].strip().splitlines()[2:]
+    cells = [line.removeprefix("| `").removesuffix(" |").replace("` | ", " | ", 1).split(" | ") for line in lines]
+    return {code: Row(code, *rest) for code, *rest in cells}
+
+
 def main(codes: Sequence[str]) -> None:
-    rows = []
+    rows = committed()
     for code in codes or CODES:
-        rows.append(row(code))
-        print(rows[-1], flush=True)
-    if not codes:
+        rows[code] = row(code, pictures=True)
+        print(rows[code], flush=True)
         text = PAGE.read_text(encoding="utf-8")
         before, after = text.split(BEGIN)[0], text.split(END)[1]
-        table = "\n".join([HEAD, *map(str, rows)])
+        table = "\n".join([HEAD, *(str(rows[one]) for one in CODES if one in rows)])
         PAGE.write_text(f"{before}{BEGIN}\n{table}\n{END}{after}", encoding="utf-8")
 
 

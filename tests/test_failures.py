@@ -1,11 +1,13 @@
 """One minimal project per failure code; the other patch of the project comes out each time."""
 
+import re
 from pathlib import Path
 
 import numpy as np
 import pytest
 import yaml
 from failure_cases import CASES, project
+from failure_table import BY_HAND, DRAWINGS, PAGE, PICTURES, Outcome, committed
 from written import read_report
 
 from flatnet.cli import main
@@ -31,6 +33,7 @@ def test_the_failure_is_named_and_the_other_patch_comes_out(code, tmp_path, caps
     assert by_name["good"]["status"] == "ok"
     failure = by_name["bad"]["failure"]
     assert failure["code"] == code
+    assert committed()[code].detected == Outcome(report).detected(code)
     assert failure["patch"] == "bad"
     assert failure["message"] and failure["remedy"]
     assert f"FAILED {code}" in capsys.readouterr().out
@@ -54,9 +57,27 @@ def test_a_bug_becomes_an_internal_error_with_its_traceback():
     assert "Traceback" in result.failure.details
 
 
-def test_every_code_is_documented():
-    text = (Path(__file__).parents[1] / "docs" / "failures.md").read_text()
-    assert [code for code in CODES if f"`{code}`" not in text] == []
+def test_every_code_is_documented_and_its_remedy_was_tried():
+    text = PAGE.read_text(encoding="utf-8")
+    assert [code for code in CODES if f"### `{code}`" not in text and f"- `{code}`" not in text] == []
+    rows = committed()
+    assert list(rows) == list(CODES) and set(CASES) | set(BY_HAND) == set(CODES)
+    for code, case in CASES.items():
+        assert (rows[code].case, rows[code].remedy) == (case.words, case.remedy)
+    assert not any("not found" in row.detected for row in rows.values())
+    assert [row.code for row in rows.values() if "remains" in row.result] == []
+
+
+@pytest.mark.parametrize("code", ["open_boundary", "opposed_normals", *DRAWINGS])
+def test_the_table_says_what_the_cases_give(code):
+    assert committed()[code] == BY_HAND[code](code)
+
+
+def test_every_picture_of_the_page_is_there_and_small():
+    pictures = re.findall(r"\]\((pictures/[^)]+)\)", PAGE.read_text(encoding="utf-8"))
+    assert len(pictures) >= 18
+    assert all((PAGE.parent / picture).stat().st_size < 60_000 for picture in pictures)
+    assert {path.name for path in PICTURES.iterdir()} == {Path(picture).name for picture in pictures}
 
 
 def test_a_level_patch_whose_grain_is_said_to_be_up_says_so_and_has_no_arrow(tmp_path):

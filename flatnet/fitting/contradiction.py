@@ -8,7 +8,7 @@ import numpy as np
 
 from flatnet.failure import Finding
 from flatnet.fitting.results import FlattenableMesh, PlanarBoundary
-from flatnet.geometry.asked_curvature import least_normal_deviation
+from flatnet.geometry.asked_curvature import asked_curvature, least_normal_deviation
 from flatnet.network.patch import BoundaryCurve
 
 #: Normals that some flat piece leaves by less than this contradict nothing that is seen, rad: two patches that leave
@@ -22,7 +22,7 @@ class Asked:
 
     Attributes
     ----------
-    curvature : rad; of a dome where positive, of a saddle where negative.
+    curvature : rad; of a dome where positive, of a saddle where negative; without what the slits of the patch take.
     least_deviation : by how much some normals must give way at least, rad.
     """
 
@@ -31,8 +31,11 @@ class Asked:
 
     @classmethod
     def by(cls, planar_boundary: PlanarBoundary, boundary: BoundaryCurve) -> Asked:
-        least = least_normal_deviation(boundary.vertices, planar_boundary.predicted_angles)
-        return cls(planar_boundary.asked_curvature, least)
+        predicted = planar_boundary.predicted_angles.copy()
+        tips = list(boundary.slit_tips)
+        if tips:  # a slit opens in the flat piece by what a dome has too much
+            predicted[tips] -= max(planar_boundary.asked_curvature, 0.0) / len(tips)
+        return cls(asked_curvature(predicted), least_normal_deviation(boundary.vertices, predicted))
 
     @property
     def contradicts(self) -> bool:

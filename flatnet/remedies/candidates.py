@@ -17,6 +17,8 @@ from flatnet.network.division import Cut, halves
 from flatnet.network.patch import BoundaryCurve, Patch
 from flatnet.remedies.cut_curve import CutPlaces, draw_cut
 
+Floats = NDArray[np.float64]
+
 #: How many places along the boundary, corners first, are joined in pairs.
 PLACES = 24
 #: Each half keeps at least this share of the boundary.
@@ -48,8 +50,15 @@ class Candidate:
         return self.crossings * length, self.misfit // SAME_MISFIT, length
 
 
-def candidate_cuts(patch: Patch, surface: ReferenceSurface | None, count: int) -> list[Candidate]:
-    """At most `count` cuts between different places of the boundary, the most promising first."""
+def candidate_cuts(
+    patch: Patch, surface: ReferenceSurface | None, count: int, through: tuple[Floats, float] | None = None
+) -> list[Candidate]:
+    """At most `count` cuts between different places of the boundary, the most promising first.
+
+    Parameters
+    ----------
+    through : a place, (3,) mm, and a distance: half of the cuts are to pass it that near, where such are found.
+    """
     boundary = patch.boundary
     places = CutPlaces(boundary)
     arcs = np.concatenate([[0.0], np.cumsum(side_lengths(boundary.vertices))])
@@ -63,7 +72,12 @@ def candidate_cuts(patch: Patch, surface: ReferenceSurface | None, count: int) -
         if cut is not None:
             found.append(_screen(boundary, cut))
     found.sort(key=lambda candidate: candidate.rank)
-    return _different(found, share, count)
+    if through is None:
+        return _different(found, share, count)
+    place, near = through
+    passing = [one for one in found if np.linalg.norm(one.cut.vertices - place, axis=1).min() <= near]
+    first = _different(passing, share, count // 2)
+    return _different([*first, *found], share, count)
 
 
 def _ends_of_cuts(boundary: BoundaryCurve, share: NDArray[np.float64]) -> list[int]:

@@ -6,7 +6,7 @@ from collections.abc import Callable, Container, Sequence
 from dataclasses import dataclass
 from itertools import chain, count
 
-from flatnet.fitting.results import FailedPatch, FittedPatch
+from flatnet.fitting.results import FailedPatch, FittedPatch, Floats
 from flatnet.forms.surface import ReferenceSurface
 from flatnet.geometry.triangles import bending
 from flatnet.network.division import Cut, divide
@@ -20,6 +20,8 @@ FitAll = Callable[[Sequence[Patch]], list[Result]]
 
 #: How many cuts of a patch are tried.
 TRIALS = 6
+#: Halves that turn to and fro by this part of what the whole does are worth a cut though they wrinkle.
+MUCH_LESS = 0.75
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,14 +49,19 @@ class Trial:
         return sum(is_wrinkled(result) for result in self.results)
 
     @property
+    def turning(self) -> float:
+        """How far the parts that were made turn to and fro where they do most, rad."""
+        return max((r.mesh.wrinkles.turning for r in self.results if isinstance(r, FittedPatch)), default=0.0)
+
+    @property
     def bending(self) -> float:
         """Sum over both meshes, without what can't be made."""
         return sum(bending(r.mesh.vertices, r.mesh.triangles) for r in self.results if isinstance(r, FittedPatch))
 
     @property
     def rank(self) -> tuple[float, ...]:
-        """Less is better: what fails, what wrinkles, how much it bends, how long the cut is."""
-        return self.unmade, self.wrinkled, self.bending, self.cut.length
+        """Less is better: what fails, what wrinkles and how much, how much it bends, how long the cut is."""
+        return self.unmade, self.wrinkled, self.turning if self.wrinkled else 0.0, self.bending, self.cut.length
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,15 +77,16 @@ class Diagnosis:
     def cure(self) -> Trial | None:
         """The best cut, where it leaves less that fails or wrinkles than there is without it.
 
-        Of a patch that can't be made one half made is a step forward: the other may be cut again. Of one that has
-        nothing wrong with it, the best cut that keeps it so.
+        Of a patch that can't be made one half made is a step forward, and of one that wrinkles halves that wrinkle much
+        less: they may be cut again. Of one that has nothing wrong with it, the best cut that keeps it so.
         """
         if not self.trials:
             return None
         best = self.trials[0]
         if isinstance(self.result, FailedPatch):
             return best if best.unmade < 2 else None
-        return best if best.unmade == best.wrinkled == 0 else None
+        less = is_wrinkled(self.result) and best.turning <= MUCH_LESS * self.result.mesh.wrinkles.turning
+        return best if best.unmade == 0 and (best.wrinkled == 0 or less) else None
 
 
 def is_wrinkled(result: Result) -> bool:
@@ -106,7 +114,7 @@ def diagnose(
     result : what came of the patch as it is.
     fit_all : fits parts of the patch as the patch itself was fitted.
     """
-    cuts = [candidate.cut for candidate in candidate_cuts(patch, surface, trials)]
+    cuts = [candidate.cut for candidate in candidate_cuts(patch, surface, trials, _worst_wrinkle(result))]
     divided = [divide_by(network, patch, cut) for cut in cuts]
     results = fit_all([part for _, pair in divided for part in pair])
     tried = [
@@ -114,6 +122,14 @@ def diagnose(
         for cut, (network, pair), made in zip(cuts, divided, zip(results[::2], results[1::2]), strict=True)
     ]
     return Diagnosis(network, patch, result, tuple(sorted(tried, key=lambda trial: trial.rank)))
+
+
+def _worst_wrinkle(result: Result) -> tuple[Floats, float] | None:
+    """Where a patch wrinkles most, (3,) mm, and the reach of that; None where it does not."""
+    if isinstance(result, FailedPatch) or not is_wrinkled(result):
+        return None
+    wrinkles = result.mesh.wrinkles
+    return result.mesh.vertices[wrinkles.vertex], wrinkles.reach
 
 
 def divide_by(network: CurveNetwork, patch: Patch, cut: Cut) -> tuple[CurveNetwork, tuple[Patch, Patch]]:

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 import yaml
 from crossing import as_project, crossing_boundary, network_of, spiral
+from failure_cases import alone, square, wrinkled
 from scipy.spatial import cKDTree
 from written import read_obj, read_report
 
@@ -15,11 +16,14 @@ from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.fitting.run import run_patch
 from flatnet.forms.surface import ReferenceSurface, tidy_mesh
 from flatnet.geometry.triangles import dot, unit
+from flatnet.network.assembly import make_network
 from flatnet.parameters import FairParameters
+from flatnet.project import load_project
 from flatnet.remedies.auto_split import split
 from flatnet.remedies.candidates import candidate_cuts
 from flatnet.remedies.cut_curve import CutPlaces, draw_cut
 from flatnet.remedies.diagnose import diagnose
+from flatnet.report.diagnosis_text import diagnosis_lines
 
 
 def fit_all(patches):
@@ -148,6 +152,31 @@ def test_auto_split_delivers_the_parts_with_their_seam(tmp_path):
         assert apart.max() < 1e-9 and sorted(same) == list(range(len(space)))
         np.testing.assert_allclose(flat_2[same], flat * [1, -1], atol=1e-9)
         assert {frozenset(same[corners]) for corners in triangles} == set(map(frozenset, triangles_2))
+
+
+def test_a_cut_through_the_wrinkle_takes_it_away(tmp_path):
+    """A step bends up and back; cut where it bends neither way, both halves bend one way only."""
+    (tmp_path / "project.yaml").write_text(yaml.safe_dump(wrinkled()))
+    network = make_network(load_project(tmp_path / "project.yaml"), None)
+    [patch] = network.patches
+    [whole] = fit_all([patch])
+    assert whole.mesh.wrinkles.wrinkled
+    diagnosis = diagnose(network, patch, whole, None, fit_all, trials=2)
+    cure = diagnosis.cure
+    assert cure.wrinkled == 0 and cure.turning < 0.25 * whole.mesh.wrinkles.turning
+    assert np.ptp(cure.cut.vertices[:, 0]) < patch.edge_length  # along the step
+    assert cure.cut.length == pytest.approx(30.0, rel=0.01)  # as wide as the strip
+    assert "turns to and fro by" in "\n".join(diagnosis_lines(load_project(tmp_path / "project.yaml"), diagnosis))
+
+
+def test_cuts_are_tried_on_a_patch_that_is_named_though_nothing_is_wrong_with_it(tmp_path, capsys):
+    file = tmp_path / "project.yaml"
+    file.write_text(yaml.safe_dump(alone(square())))
+    assert main(["diagnose", str(file)]) == 0
+    assert "none of them wrinkled" in capsys.readouterr().out
+    assert main(["diagnose", str(file), "--patch", "sheet"]) == 0
+    said = capsys.readouterr().out
+    assert "sheet: made, bending 0.0" in said and "the best, to paste:" in said
 
 
 @pytest.mark.parametrize("seed", range(3))
