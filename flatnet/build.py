@@ -224,9 +224,13 @@ def _make_pieces(
 def _pieces_of(project: Project, seams: Mapping[str, Seam], fitted: FittedPatch) -> list[Piece]:
     """One piece of a patch for each material that it is cut from."""
     spec = project.patches[fitted.patch.name]
-    return [
+    made = [
         make_piece(fitted, project.materials[material], seams, project.title, also, spec.marks)
         for material, also in zip(spec.materials, (None, *spec.also), strict=True)
+    ]
+    # Of a further material no zone is asked.
+    return [
+        replace(piece, zone=spec.zone if piece.material == spec.material else "", match=spec.match) for piece in made
     ]
 
 

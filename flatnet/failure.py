@@ -26,6 +26,7 @@ CODES: dict[str, str] = {
     "stuck_vertex": "a vertex stays far from flattenable, however the mesh is refined round it",
     "folded": "the fitted mesh folds back on itself",
     "sheet_too_small": "the piece does not fit on the material",
+    "out_of_material": "there are not enough sheets or hides for all copies",
     "time_limit": "the patch took longer than it may",
     "internal_error": "a bug: the patch stopped with an error that nobody foresaw",
     "wrinkled": "the fitted mesh has wrinkles",
@@ -49,7 +50,7 @@ CODES: dict[str, str] = {
     "near_miss": "an imported curve ends near another, beyond the tolerance",
     "trimmed_end": "an imported curve ends inside a face, and that part of it was left out",
     "crossing_curves": "two imported curves cross",
-    "draft_layout": "the nesting engine gave no layout: the pieces are laid in plain rows",
+    "draft_layout": "the nesting engine gave no layout: the pieces are laid plainly",
 }
 
 #: The remedy for a bug.

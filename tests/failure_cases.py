@@ -126,6 +126,15 @@ def sheet_too_small():
     return case
 
 
+def out_of_material():
+    """Two copies of a piece, and one sheet that has room for one."""
+    materials = {"cloth": {"width": 1500}, "ply": {"width": 300, "length": 300, "sheets": 1}}
+    bad = {"around": ["large"], "material": "ply", "cut": 2}
+    case = project({"large": square(200.0)}, {"bad": bad}, materials=materials)
+    case["patches"]["good"]["material"] = "cloth"
+    return case
+
+
 def degenerate_curve():
     """A corner that stands there twice."""
     return alone(closed([[0, 0, 0], [100, 0, 0], [100, 0, 0], [100, 100, 0], [0, 100, 0]], UP))
@@ -393,6 +402,10 @@ CASES = {
     "sheet_too_small": Case(
         sheet_too_small, "a piece 200 mm wide on a ribbon of 50", "a ribbon of 300",
         edit("materials", "ribbon", "width", to=300),
+    ),
+    "out_of_material": Case(
+        out_of_material, "two pieces of 200 mm and one sheet of 300", "`sheets: 2`",
+        edit("materials", "ply", "sheets", to=2),
     ),
     "time_limit": Case(
         time_limit, "a saddle of 6,000 vertices, and one second", "`limits: {seconds: 600}`, a larger `edge_length`",

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Mapping, Sequence
+from dataclasses import asdict, dataclass, field
 from pathlib import Path
 from typing import Any
 
@@ -20,6 +20,7 @@ from flatnet.pattern.nicks import Nick
 from flatnet.pattern.notches import Notch
 from flatnet.pattern.piece import Piece, SeamRun
 from flatnet.pattern.seams import Seam
+from flatnet.project.hides import Hide, Ring
 from flatnet.project.model import Material
 from flatnet.project.seam_specs import SeamSpec
 
@@ -80,6 +81,8 @@ def _material(material: Material) -> dict[str, object]:
         "allowance": material.allowance,
         "strain": material.strain,
         "thickness": material.thickness,
+        "sheets": material.sheets,
+        "hides": [asdict(hide) for hide in material.hides],
     }
 
 
@@ -113,6 +116,8 @@ def _piece(name: str, piece: Piece) -> dict[str, object]:
         "marks": [_mark(mark) for mark in piece.marks],
         "label": _label(piece.label),
         "seams": [_run(piece, run) for run in piece.seams],
+        "zone": piece.zone,
+        "match": piece.match,
     }
 
 
@@ -197,7 +202,19 @@ def read_pieces(path: Path) -> PieceFile:
 
 def _read_material(record: Mapping[str, Any]) -> Material:
     rotations = record["rotations"]
-    return Material(**{**record, "rotations": None if rotations is None else tuple(rotations)})
+    hides = tuple(
+        Hide(
+            _read_ring(hide["outline"]),
+            tuple(_read_ring(defect) for defect in hide["defects"]),
+            tuple((name, _read_ring(zone)) for name, zone in hide["zones"]),
+        )
+        for hide in record["hides"]
+    )
+    return Material(**{**record, "rotations": None if rotations is None else tuple(rotations), "hides": hides})
+
+
+def _read_ring(points: Sequence[Sequence[float]]) -> Ring:
+    return tuple((float(x), float(y)) for x, y in points)
 
 
 def _read_piece(record: Mapping[str, Any], seams: Mapping[str, Seam]) -> Piece:
@@ -229,6 +246,8 @@ def _read_piece(record: Mapping[str, Any], seams: Mapping[str, Seam]) -> Piece:
         project=record["project"],
         nicks=tuple(Nick(nick["seam"], np.array(nick["points"], float)) for nick in record["nicks"]),
         fold=None if record["fold"] is None else Fold(*np.array(record["fold"], float)),
+        zone=record["zone"],
+        match=record["match"],
     )
 
 

@@ -65,17 +65,31 @@ def write_layout(
     strokes : meaning of a line -> its colour.
     by_meaning : one layer for each meaning, with a group for every piece in it; else one group for every piece.
     """
-    material, length = layout.material, layout.used_length
+    length, width = layout.size
+    kind = "hide" if layout.hide else "sheet"
     title = [
-        f"{project} · {material.name}" + (f" · sheet {layout.sheet}" if layout.sheet > 1 else ""),
-        f"{material.width:g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
+        f"{project} · {layout.material.name}" + (f" · {kind} {layout.sheet}" if layout.sheet > 1 else ""),
+        f"{width:g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
     ]
     if layout.draft:
-        title.append("draft: plain rows, not nested")
+        title.append("draft: not nested")
     if missing:
         title.append(f"INCOMPLETE: missing {', '.join(missing)}")
-    size = np.array([length, material.width])
-    _write_page(path, size, layout.placements, title, True, strokes, by_meaning)
+    size = np.array([length, width])
+    _write_page(path, size, layout.placements, title, _sheet_lines(layout), strokes, by_meaning)
+
+
+def _sheet_lines(layout: Layout) -> list[tuple[str, Floats]]:
+    """What is drawn of the sheet itself: class of the path, and the outline, (k, 2) mm, y up."""
+    hide = layout.hide
+    if hide is None:
+        length, width = layout.size
+        return [("sheet", np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]]))]
+    return [
+        ("sheet", np.array(hide.outline)),
+        *(("defect", np.array(ring)) for ring in hide.defects),
+        *(("zone", np.array(ring)) for _, ring in hide.zones),
+    ]
 
 
 def write_piece(
@@ -86,7 +100,7 @@ def write_piece(
     x, y = MARGIN - corner
     title = [" · ".join(piece.description)]
     placement = Placement(piece, 1, False, 0.0, x, y)
-    _write_page(path, size + 2.0 * MARGIN, [placement], title, False, strokes, by_meaning)
+    _write_page(path, size + 2.0 * MARGIN, [placement], title, (), strokes, by_meaning)
 
 
 def _write_page(
@@ -94,7 +108,7 @@ def _write_page(
     size: Floats,
     placements: Sequence[Placement],
     title: Sequence[str],
-    sheet: bool,
+    sheet: Sequence[tuple[str, Floats]],
     strokes: Mapping[str, str],
     by_meaning: bool,
 ) -> None:
@@ -114,8 +128,8 @@ def _write_page(
     inkscape = Inkscape(drawing)
     page = drawing.add(inkscape.layer(label="sheet", id="sheet"))
 
-    if sheet:
-        page.add(_path(drawing, "sheet", np.array([[0, 0], [size[0], 0], size, [0, size[1]]])))
+    for kind, outline in sheet:
+        page.add(_path(drawing, "sheet", outline * (1.0, -1.0) + (0.0, size[1]))).update({"class": kind})
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * TEST_SQUARE + (MARGIN, top)
     page.add(_path(drawing, "sheet", square)).update({"class": "test-square"})
     centre = square.mean(axis=0)

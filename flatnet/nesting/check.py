@@ -9,8 +9,9 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from flatnet.nesting.layout import Layout, Placement, copies_of
+from flatnet.nesting.layout import Copy, Layout, Placement, copies_of
 from flatnet.pattern.piece import Piece
+from flatnet.project.hides import Hide
 
 #: mm. Cut lines are written to 0.001 mm: what is smaller is not in the file.
 TOLERANCE = 1e-3
@@ -18,14 +19,22 @@ TOLERANCE = 1e-3
 ROTATION_TOLERANCE = 1e-9
 
 
-def check_layouts(layouts: Sequence[Layout], pieces: Sequence[Piece]) -> list[str]:
+def check_layouts(layouts: Sequence[Layout], pieces: Sequence[Piece], left: Sequence[Copy] = ()) -> list[str]:
     """Everything that is wrong with the sheets of one material: nothing, where they may be cut.
 
-    Checked: every copy of every piece once and no other, mirrored only where asked, allowed rotations only,
-    inside the sheet, no overlap, the gap kept; lengths within `TOLERANCE`.
+    Checked: every copy of every piece once and no other, mirrored only where asked, allowed rotations only, those
+    that are to match in one direction, inside the sheet, off the defects of a hide and in the zone that is asked
+    for, no overlap, the gap kept, no more sheets than there are; lengths within `TOLERANCE`.
+
+    Parameters
+    ----------
+    left : copies that are known to be missing.
     """
-    problems = list(_count(layouts, pieces))
+    problems = [*_count(layouts, pieces, left), *_match(layouts)]
     for layout in layouts:
+        if layout.sheet > layout.material.count:
+            problems.append(f"sheet {layout.sheet}: material '{layout.material.name}' has {layout.material.count:g}")
+            continue
         placed = []
         for placement in layout.placements:
             if not np.isfinite([placement.rotation_deg, placement.x_mm, placement.y_mm]).all():
@@ -39,8 +48,9 @@ def check_layouts(layouts: Sequence[Layout], pieces: Sequence[Piece]) -> list[st
     return problems
 
 
-def _count(layouts: Sequence[Layout], pieces: Sequence[Piece]) -> Iterator[str]:
+def _count(layouts: Sequence[Layout], pieces: Sequence[Piece], left: Sequence[Copy]) -> Iterator[str]:
     wanted = Counter(str(copy) for copy in copies_of(pieces))
+    wanted.subtract(str(copy) for copy in left)
     found = Counter(str(placement) for layout in layouts for placement in layout.placements)
     for name in sorted(wanted | found):
         if found[name] != wanted[name]:
@@ -57,12 +67,40 @@ def _rotation(placement: Placement, layout: Layout) -> Iterator[str]:
         yield f"{placement}: rotated by {placement.rotation_deg:g} degrees, allowed are {allowed}"
 
 
+def _match(layouts: Sequence[Layout]) -> Iterator[str]:
+    first: dict[str, Placement] = {}
+    for placement in (placement for layout in layouts for placement in layout.placements):
+        if not placement.piece.match:
+            continue
+        other = first.setdefault(placement.piece.name, placement)
+        away = abs((placement.rotation_deg - other.rotation_deg + 180.0) % 360.0 - 180.0)
+        if away > ROTATION_TOLERANCE:
+            yield f"{placement}: turned by {away:g} degrees against {other}, and they are to match"
+
+
 def _inside(placement: Placement, region: Polygon, layout: Layout) -> Iterator[str]:
+    if layout.hide is not None:
+        yield from _on_hide(placement, region, layout.hide)
+        return
+    if placement.piece.zone:
+        yield f"{placement}: asks for zone {placement.piece.zone!r}, and lies on no hide"
     left, bottom, right, top = region.bounds
     length = np.inf if layout.material.length is None else layout.material.length
     beyond = max(-left, -bottom, top - layout.material.width, right - length)
     if beyond > TOLERANCE:
         yield f"{placement}: {beyond:.3f} mm outside the sheet"
+
+
+def _on_hide(placement: Placement, region: Polygon, hide: Hide) -> Iterator[str]:
+    inner = region.buffer(-TOLERANCE)
+    whole = Polygon(hide.outline)
+    if not whole.covers(inner):
+        yield f"{placement}: {shapely.hausdorff_distance(inner.union(whole), whole):.3f} mm outside the hide"
+    for number, ring in enumerate(hide.defects, 1):
+        if (covered := inner.intersection(Polygon(ring)).area) > 0.0:
+            yield f"{placement}: covers {covered:.3g} mm^2 of defect {number}"
+    if placement.piece.zone and not hide.zone(placement.piece.zone).buffer(TOLERANCE).covers(inner):
+        yield f"{placement}: not inside zone {placement.piece.zone!r}"
 
 
 def _apart(placed: Sequence[tuple[Placement, Polygon]], gap: float) -> Iterator[str]:

@@ -9,6 +9,7 @@ import threading
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass
 from pathlib import Path
+from typing import Any, TypeAlias
 
 import numpy as np
 import shapely
@@ -20,8 +21,10 @@ from flatnet.parameters import NestingParameters
 
 Floats = NDArray[np.float64]
 
-#: Called with the length of the strip that is used, mm, whenever a shorter one is found.
-Shorter = Callable[[float], None]
+#: Of every copy the number of its item, degrees, and where the item's origin lies, (2,) mm.
+Placed: TypeAlias = list[tuple[int, float, Floats]]
+#: Called with the length of the strip that is used, mm, and what lies on it, whenever a shorter one is found.
+Shorter = Callable[[float, Placed], None]
 
 #: mm that an outline may be simplified by for the engine; it drops repeated points, which the engine refuses.
 SIMPLIFIED = 0.005
@@ -107,18 +110,14 @@ def run_engine(
     strip: Strip,
     items: Sequence[Item],
     parameters: NestingParameters,
-    shorter: Shorter = lambda _: None,
+    shorter: Shorter = lambda *_: None,
     limit: float | None = None,
-) -> list[tuple[int, float, Floats]]:
+) -> Placed:
     """Lay the items on as little length of a strip as the engine finds in its time.
 
     Parameters
     ----------
     limit : seconds after which the child is ended; None: long after its time.
-
-    Returns
-    -------
-    Of every copy the number of its item, degrees, and where the item's origin lies, (2,) mm.
 
     Raises
     ------
@@ -132,11 +131,10 @@ def run_engine(
         "seed": parameters.seed,
         "workers": WORKERS,
     }
-    answer = _answer(json.dumps(problem), limit or 2.0 * parameters.seconds + GRACE, shorter)
-    return [(int(item), float(rotation), np.array([x, y])) for item, rotation, x, y in answer]
+    return _answer(json.dumps(problem), limit or 2.0 * parameters.seconds + GRACE, shorter)
 
 
-def _answer(problem: str, limit: float, shorter: Shorter) -> list[list[float]]:
+def _answer(problem: str, limit: float, shorter: Shorter) -> Placed:
     """What the child says last; ended when its time is over."""
     try:
         child = subprocess.Popen(
@@ -153,7 +151,7 @@ def _answer(problem: str, limit: float, shorter: Shorter) -> list[list[float]]:
 
     timer = threading.Timer(limit, end)
     timer.start()
-    said: dict[str, object] = {}
+    said: dict[str, Any] = {}
     try:
         assert child.stdin is not None and child.stdout is not None
         try:
@@ -163,8 +161,8 @@ def _answer(problem: str, limit: float, shorter: Shorter) -> list[list[float]]:
             pass  # it died; its status says how
         for line in child.stdout:
             said = json.loads(line)
-            if isinstance(length := said.get("length"), float):
-                shorter(length)
+            if "length" in said:
+                shorter(said.pop("length"), _placed(said.pop("placed")))
     except json.JSONDecodeError:
         said = {}
     finally:
@@ -178,7 +176,10 @@ def _answer(problem: str, limit: float, shorter: Shorter) -> list[list[float]]:
         raise EngineError(f"it was still running after {limit:.0f} s")
     if "error" in said:
         raise EngineError(str(said["error"]))
-    placed = said.get("placed")
-    if not isinstance(placed, list):
+    if "placed" not in said:
         raise EngineError(f"it died with status {status}")
-    return placed
+    return _placed(said["placed"])
+
+
+def _placed(records: Sequence[Sequence[float]]) -> Placed:
+    return [(int(item), float(rotation), np.array([x, y])) for item, rotation, x, y in records]

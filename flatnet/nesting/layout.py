@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.pattern.piece import Piece
+from flatnet.project.hides import Hide
 from flatnet.project.model import Material
 
 Floats = NDArray[np.float64]
@@ -79,12 +80,12 @@ class Placement:
 
 @dataclass(frozen=True, eq=False)
 class Layout:
-    """A sheet (a length of a roll) with its pieces.
+    """A sheet (a length of a roll, or a hide) with its pieces.
 
     Attributes
     ----------
     sheet : the sheets of a material count from 1.
-    draft : laid in plain rows, because the nesting engine gave no valid layout.
+    draft : laid plainly, in rows or one by one, because the nesting engine gave no valid layout.
     digest : of everything that the layout was made from (`stored.digest_of`).
     seconds : that the engine was given.
     """
@@ -97,11 +98,22 @@ class Layout:
     seconds: int = 0
 
     @property
+    def hide(self) -> Hide | None:
+        """What the pieces lie on, where that is no rectangle."""
+        return self.material.hides[self.sheet - 1] if self.material.hides else None
+
+    @property
     def used_length(self) -> float:
-        """mm of the roll, from its start."""
+        """mm of the sheet, from its start."""
         return max(float(p.place(p.piece.cut_line)[:, 0].max()) for p in self.placements)
 
     @property
+    def size(self) -> tuple[float, float]:
+        """Length and width of what is drawn, mm: the used length of a roll or sheet, all of a hide."""
+        return self.hide.size if self.hide else (self.used_length, self.material.width)
+
+    @property
     def utilisation(self) -> float:
-        """Area inside the cut lines over width x used length."""
-        return sum(p.piece.area for p in self.placements) / (self.material.width * self.used_length)
+        """Area inside the cut lines over width x used length; of a hide, over all of it, defects too."""
+        area = self.hide.area if self.hide else self.material.width * self.used_length
+        return sum(p.piece.area for p in self.placements) / area

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import shapely
 from numpy.typing import NDArray
@@ -39,8 +41,20 @@ def extents(piece: Piece, mirrored: bool, rotations: Floats) -> Floats:
 
 
 def fitting_rotations(piece: Piece, mirrored: bool, material: Material) -> Floats:
-    """Those of the candidate rotations in which the piece fits on the material, degrees."""
-    rotations = candidate_rotations(piece, mirrored, material)
+    """Those of the candidate rotations in which the piece fits on the material, degrees.
+
+    Of a piece whose copies are to match it is the first that all of them have in common.
+    """
+    rotations = _fitting(piece, mirrored, material, candidate_rotations(piece, mirrored, material))
+    if not piece.match:
+        return rotations
+    if piece.cut and piece.mirrored:
+        others = candidate_rotations(piece, not mirrored, material)
+        rotations = np.intersect1d(rotations, _fitting(piece, not mirrored, material, others))
+    return rotations[:1]
+
+
+def _fitting(piece: Piece, mirrored: bool, material: Material, rotations: Floats) -> Floats:
     size = extents(piece, mirrored, rotations)
     length = np.inf if material.length is None else material.length
     return rotations[(size <= np.array([length, material.width]) + 0.5 * TOLERANCE).all(axis=1)]
@@ -52,14 +66,23 @@ def fits_anyhow(piece: Piece, material: Material) -> bool:
     return 2.0 * float(shapely.minimum_bounding_radius(piece.region)) <= room
 
 
+def _off_the_grain(piece: Piece, mirrored: bool, material: Material) -> str:
+    """The rotation nearest to an allowed one in which the piece would fit, in words; "" where there is none."""
+    free = replace(material, rotations=None)
+    fitting = _fitting(piece, mirrored, material, candidate_rotations(piece, mirrored, free))
+    if material.rotations is None or not len(fitting):
+        return ""
+    away = np.abs((fitting[:, None] - np.array(material.rotations) + 180.0) % 360.0 - 180.0).min(axis=1)
+    return f"Turned by {fitting[np.argmin(np.round(away, 6))]:.4g} degrees against its grain it would fit. "
+
+
 def too_large(piece: Piece, material: Material) -> Finding | None:
     """`sheet_too_small` for a piece of which a copy fits in no allowed rotation, with both numbers."""
     kinds = [False] * (piece.cut > 0) + [True] * (piece.mirrored > 0)
     for mirrored in kinds:
         if len(fitting_rotations(piece, mirrored, material)):
             continue
-        rotations = candidate_rotations(piece, mirrored, material)
-        size = extents(piece, mirrored, rotations)
+        size = extents(piece, mirrored, candidate_rotations(piece, mirrored, material))
         across = float(size[:, 1].min())
         if across > material.width:
             what, needed, room = "wide", across, material.width
@@ -74,6 +97,7 @@ def too_large(piece: Piece, material: Material) -> Finding | None:
             unit="mm",
             message=f"with its allowance the piece is at least {needed:.1f} mm {what} in every allowed "
             f"rotation, and material '{material.name}' is {room:.1f} mm.",
-            remedy=f"Divide the patch, allow other rotations, or take a material that is {what} enough.",
+            remedy=f"{_off_the_grain(piece, mirrored, material)}Divide the patch, allow other rotations, or take a "
+            f"material that is {what} enough.",
         )
     return None

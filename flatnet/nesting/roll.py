@@ -40,7 +40,7 @@ def nest_on_roll(
     separation = separation_for(material.gap, material.width, area)
     strip = Strip(material.width + 2.0 * separation + margin, separation)
     answer = run_engine(
-        strip, items, parameters, lambda length: denser(area / (material.width * (length - 2.0 * separation)))
+        strip, items, parameters, lambda length, _: denser(area / (material.width * (length - 2.0 * separation)))
     )
     if Counter(item for item, *_ in answer) != Counter(dict(enumerate(map(len, groups)))):
         raise EngineError("it did not place every copy once")
@@ -57,7 +57,7 @@ def kinds_of(copies: Sequence[Copy], material: Material) -> tuple[list[list[Copy
     items = []
     for group in groups:
         copy = group[0]
-        free = material.rotations is None and fits_anyhow(copy.piece, material)
+        free = material.rotations is None and not copy.piece.match and fits_anyhow(copy.piece, material)
         rotations = None if free else fitting_rotations(copy.piece, copy.mirrored, material).tolist()
         items.append(Item.of(copy.piece.region, copy.mirrored, len(group), rotations))
     return groups, items

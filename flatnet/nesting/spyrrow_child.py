@@ -1,5 +1,5 @@
 """Run spyrrow in a process of its own: a strip packing problem as JSON on stdin, on stdout a line of JSON for each
-better length that it finds, and last its solution.
+better layout that it finds, and last its solution.
 
 Run by path and free of imports of the package, so that it starts at once. Bad input makes the engine panic,
 which reaches Python as a BaseException; whatever happens here, the caller reads it as {"error": ...}.
@@ -9,12 +9,12 @@ import json
 import sys
 import threading
 
-#: At most so often a better length is told, s.
+#: At most so often a better layout is told, s.
 PAUSE = 1.0
 
 
 def solve(problem: dict) -> dict:
-    """The placements of a problem's items, as JSON has them; better lengths are told as they are found."""
+    """The placements of a problem's items, as JSON has them; better layouts are told as they are found."""
     import spyrrow
 
     items = [
@@ -37,10 +37,11 @@ def solve(problem: dict) -> dict:
     def tell() -> None:
         shortest = float("inf")
         while not done.wait(PAUSE):
-            lengths = [solution.width for kind, solution in queue.drain() if kind in valid]
-            if lengths and min(lengths) < shortest:
-                shortest = min(lengths)
-                print(json.dumps({"length": shortest}), flush=True)
+            found = [solution for kind, solution in queue.drain() if kind in valid]
+            best = min(found, key=lambda solution: solution.width, default=None)
+            if best is not None and best.width < shortest:
+                shortest = best.width
+                print(json.dumps({"length": shortest, "placed": placements(best)}), flush=True)
 
     teller = threading.Thread(target=tell, daemon=True)
     teller.start()
@@ -49,7 +50,12 @@ def solve(problem: dict) -> dict:
     finally:
         done.set()
         teller.join()
-    return {"placed": [[int(p.id), p.rotation, *p.translation] for p in solution.placed_items]}
+    return {"placed": placements(solution)}
+
+
+def placements(solution) -> list:
+    """Item, degrees, x and y of every copy."""
+    return [[int(p.id), p.rotation, *p.translation] for p in solution.placed_items]
 
 
 if __name__ == "__main__":

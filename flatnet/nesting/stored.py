@@ -9,6 +9,7 @@ from __future__ import annotations
 import hashlib
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from dataclasses import asdict
 from pathlib import Path
 from typing import Any
 
@@ -29,10 +30,12 @@ def digest_of(pieces: Sequence[Piece], material: Material, parameters: NestingPa
     """SHA-256 of everything that a layout depends on but for the engine's time; cut lines count to 0.001 mm."""
     content = {
         "pieces": [
-            [piece.name, piece.cut, piece.mirrored, np.rint(piece.cut_line * 1000.0).astype(int).tolist()]
+            [piece.name, piece.cut, piece.mirrored, piece.zone, piece.match]
+            + np.rint(piece.cut_line * 1000.0).astype(int).tolist()
             for piece in pieces
         ],
-        "sheet": [material.width, material.length, material.rotations, material.gap],
+        "sheet": [material.width, material.length, material.rotations, material.gap, material.sheets],
+        "hides": [asdict(hide) for hide in material.hides],
         "seed": parameters.seed,
     }
     return hashlib.sha256(json.dumps(content).encode()).hexdigest()

@@ -77,6 +77,8 @@ class Piece:
     fold : the line along which it is its own mirror image, where the project says that it is to be cut on the fold.
     on_fold : it is the half that is cut on the fold.
     warnings : what whoever cuts it has to know.
+    zone : the quality zone of a hide that it lies in; "": anywhere.
+    match : all its copies lie in the same direction.
     """
 
     name: str
@@ -98,6 +100,8 @@ class Piece:
     fold: Fold | None = None
     on_fold: bool = False
     warnings: tuple[Finding, ...] = ()
+    zone: str = ""
+    match: bool = False
 
     def __post_init__(self) -> None:
         for array in (self.sew_line, self.cut_line, *self.holes, self.allowances):

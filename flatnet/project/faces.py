@@ -23,9 +23,11 @@ from flatnet.project.values import (
     WrongValueError,
     between,
     direction,
+    flag,
     frozen,
     integer,
     length_in,
+    name,
     nearest,
     number,
     one_of,
@@ -49,6 +51,8 @@ _PATCH_KEYS = (
     "also",
     "marks",
     "fold",
+    "zone",
+    "match",
 )
 _ALSO_KEYS = ("cut", "mirrored", "allowance")
 _GRAIN_KEYS = ("along", "from", "to")
@@ -133,6 +137,8 @@ def _patch(key: str, section: Section, setting: FaceSetting) -> PatchSpec:
         also=_also(section, setting, material, cut, mirrored),
         marks=read_marks(section, setting.mm_per_unit),
         fold=fold.curve if fold else None,
+        zone=section.get("zone", name, ""),
+        match=section.get("match", flag, False),
     )
 
 
@@ -162,16 +168,16 @@ def _also(section: Section, setting: FaceSetting, material: str, cut: int, mirro
     """The further materials that a patch is cut from; copies are as many as of the first where nothing is said."""
     every = section.section("also", None)
     found = []
-    for name, node in every.values.items():
-        key = every.keys[name]
-        if name not in setting.materials:
-            hint = nearest(name, setting.materials, "materials")
-            every.problem(key, f"there is no material {name!r}; {hint}")
-        if name == material:
-            every.problem(key, f"{name!r} is its `material` already")
-        each = Section(node, f"{every.title}: {name}", mark_of(key), _ALSO_KEYS, section.problems)
+    for other, node in every.values.items():
+        key = every.keys[other]
+        if other not in setting.materials:
+            hint = nearest(other, setting.materials, "materials")
+            every.problem(key, f"there is no material {other!r}; {hint}")
+        if other == material:
+            every.problem(key, f"{other!r} is its `material` already")
+        each = Section(node, f"{every.title}: {other}", mark_of(key), _ALSO_KEYS, section.problems)
         width = each.get("allowance", allowance_in(setting.mm_per_unit), None)
-        found.append(AlsoSpec(name, *_copies(each, cut, mirrored), width))
+        found.append(AlsoSpec(other, *_copies(each, cut, mirrored), width))
     return tuple(found)
 
 

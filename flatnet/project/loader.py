@@ -12,6 +12,7 @@ import yaml
 from flatnet.parameters import EXPORT_FORMATS, STROKES, FairParameters, Limits, NestingParameters
 from flatnet.project.curves import CurveSetting, read_curves
 from flatnet.project.faces import FaceSetting, face_problems, read_openings, read_patches
+from flatnet.project.hides import read_hides
 from flatnet.project.imports import read_imports
 from flatnet.project.mirror import curve_image, image_problems, node_image, patch_image, read_mirror, take_images
 from flatnet.project.model import PLAIN_NUMBERS, FormSurface, Material, MeshSurface, Project
@@ -62,7 +63,8 @@ _TOP_KEYS = (
 )
 _MESH_KEYS = ("mesh", "units", "up", "outer", "clearance")
 _MESH_FILES = (".obj", ".stl", ".ply")
-_MATERIAL_KEYS = ("width", "length", "rotations", "gap", "allowance", "strain", "thickness")
+_MATERIAL_KEYS = ("width", "length", "sheets", "hides", "rotations", "gap", "allowance", "strain", "thickness")
+_MOST_SHEETS = 1000
 #: Rotations by the kind of material: with a grain, with a grain that has a direction, without.
 _ROTATIONS: dict[str, tuple[float, ...] | None] = {"woven": (0.0, 180.0), "nap": (0.0,), "free": None}
 #: The most that `strain` may be: beyond it edge lengths say little about cloth.
@@ -134,7 +136,9 @@ def _project(file: Path, top: Section) -> Project:
     top.problems += [] if joins_crossings else notch_problems(curves)  # crossings have names of their own
     if not curves and curve_sections.is_mapping:
         top.problem(curve_sections.mark, "there are no curves, and without them nothing to make")
-    materials = _materials(top.section("materials", None), mm_per_unit)
+    already = len(top.problems)
+    materials = _materials(file, top.section("materials", None), mm_per_unit)
+    materials_are_good = len(top.problems) == already
     fitting = read_fitting(top, FairParameters())
     face_setting = FaceSetting(mm_per_unit, edge_length, curves, tuple(materials), fitting, joins_crossings)
     patch_sections = top.section("patches", None)
@@ -144,6 +148,10 @@ def _project(file: Path, top: Section) -> Project:
         mirror,
         lambda spec, plane: patch_image(spec, plane, curves_across, across),
     )
+    for patch in patches.values() if materials_are_good else ():
+        if patch.zone and not any(own == patch.zone for h in materials[patch.material].hides for own, _ in h.zones):
+            message = f"patch {patch.name!r}: no hide of material {patch.material!r} has a zone {patch.zone!r}"
+            top.problem(patch.mark, message)
     openings = read_openings(top.section("openings", None), curves, joins_crossings)
     rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
     if rest_is_open and not patches:
@@ -245,16 +253,29 @@ def _mesh_file(file: Path, node: yaml.Node) -> Path:
     return path
 
 
-def _materials(sections: Section, mm_per_unit: float) -> dict[str, Material]:
+def _materials(file: Path, sections: Section, mm_per_unit: float) -> dict[str, Material]:
     positive = length_in(mm_per_unit, positive=True)
     not_negative = length_in(mm_per_unit, negative=False)
     materials = {}
     for key, mark, node in sections.named():
         section = Section(node, f"material {key!r}", mark, _MATERIAL_KEYS, sections.problems)
+        hides = read_hides(file, section, mm_per_unit)
+        if "hides" in section.values:
+            for other in [each for each in ("width", "length", "sheets") if each in section.values]:
+                section.problem(section.keys[other], f"'hides' and {other!r} exclude each other; keep one")
+            length: float | None = max((hide.size[0] for hide in hides), default=1.0)
+            width = max((hide.size[1] for hide in hides), default=1.0)
+        else:
+            length = section.get("length", positive, None)
+            width = section.require("width", positive, 1.0, "the width of the roll or sheet, or give 'hides'")
+        if "sheets" in section.values and "length" not in section.values and not hides:
+            section.problem(section.keys["sheets"], "sheets: a sheet has a 'length' too; without one it is a roll")
         materials[key] = Material(
             name=key,
-            width=section.require("width", positive, 1.0, "the width of the roll"),
-            length=section.get("length", positive, None),
+            width=width,
+            length=length,
+            sheets=section.get("sheets", between(integer, 1, _MOST_SHEETS), None),
+            hides=hides,
             rotations=_rotations(section),
             gap=section.get("gap", not_negative, 0.0),
             allowance=section.get("allowance", not_negative, 0.0),

@@ -7,10 +7,13 @@ from dataclasses import dataclass, field, replace
 from pathlib import Path
 from typing import Literal
 
+import numpy as np
+
 from flatnet.failure import Finding
 from flatnet.geometry.mirror import MirrorPlane
 from flatnet.parameters import STROKES, Limits, NestingParameters
 from flatnet.project.curve_specs import CurveSpec, NodeSpec
+from flatnet.project.hides import Hide
 from flatnet.project.patch_specs import OpeningSpec, PatchSpec
 from flatnet.project.problems import Mark
 
@@ -47,12 +50,14 @@ class MeshSurface:
 
 @dataclass(frozen=True)
 class Material:
-    """A roll that pieces are cut from; mm and degrees.
+    """What pieces are cut from: a roll, sheets or hides; mm and degrees.
 
     Attributes
     ----------
+    width, length : of a sheet or the longest layout on a roll; None: no limit. With hides, that of the largest.
     rotations : allowed rotations relative to the grain; None: free.
-    length : longest layout; None: no limit.
+    sheets : how many sheets there are; None: as many as are needed.
+    hides : in place of sheets, in the order in which they are used.
     strain : largest strain of an edge inside a piece, 0.02 is 2 %; 0: none.
     thickness : its middle lies half of this outside what it is laid on.
     """
@@ -65,6 +70,13 @@ class Material:
     allowance: float = 0.0
     strain: float = 0.0
     thickness: float = 0.0
+    sheets: int | None = None
+    hides: tuple[Hide, ...] = ()
+
+    @property
+    def count(self) -> float:
+        """How many sheets or hides there are; a roll is one of them, or as many as its length needs."""
+        return len(self.hides) or self.sheets or np.inf
 
     @property
     def one_way(self) -> bool:

@@ -101,6 +101,8 @@ class PatchSpec:
     simple_outline : a flat outline that crosses itself is opened.
     mirror_of : the patch that it is the mirror image of: reflected, not fitted.
     fold : the curve of its boundary along which it is one half of a piece.
+    zone : the quality zone of a hide that it lies in; "": anywhere.
+    match : all its copies lie in the same direction.
     """
 
     name: str
@@ -120,6 +122,8 @@ class PatchSpec:
     simple_outline: bool = False
     mirror_of: str | None = None
     fold: str | None = None
+    zone: str = ""
+    match: bool = False
 
     @property
     def materials(self) -> tuple[str, ...]:

@@ -92,6 +92,10 @@ def _patch(part: Patch, spec: PatchSpec, project: Project) -> list[str]:
         entries += [f"cut: {cut}", f"mirrored: {mirrored}"]
     if spec.allowance is not None:
         entries.append(f"allowance: {spec.allowance / project.mm_per_unit:.{DIGITS}g}")
+    if spec.zone:
+        entries.append(f"zone: {spec.zone}")
+    if spec.match:
+        entries.append("match: true")
     entries += _grain(spec.grain)
     if spec.edge_length != project.edge_length:
         entries.append(f"edge_length: {spec.edge_length / project.mm_per_unit:.{DIGITS}g}")

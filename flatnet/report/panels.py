@@ -43,6 +43,8 @@ NORMAL, RIGHT_NORMAL = np.array([0.80, 0.15, 0.12]), np.array([0.10, 0.50, 0.25]
 HAZE = np.array([0.86, 0.88, 0.91])
 #: Length of a normal's arrow over the extent of the network.
 ARROW = 0.045
+#: Defects of a hide, and the rim of its quality zones.
+DEFECT, ZONE = "#8a8a8a", "#cc8800"
 #: Points of a piece's name, the first that fits.
 NAME_SIZES = (10.0, 9.0, 8.0, 7.0, 6.0, 5.0)
 
@@ -211,16 +213,24 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
     """A sheet as its SVG shows it, every piece with its flat mesh and its name."""
     pieces = build.sheets[record["file"]]
     patches = {patch.name: patch for patch in build.patches}
-    length, width = record["used_length_mm"], record["sheet_width_mm"]
+    hide = record.get("hide")
+    width = record["sheet_width_mm"]
+    length = max(x for x, _ in hide["outline"]) if hide else record["used_length_mm"]
     space = "\u00a0"  # where a caption is not to be broken
     size, used = f"{width:g} × {length:.0f} mm", f"{100.0 * record['utilisation']:.0f} % used"
     caption = f"{record['material']}: {size.replace(' ', space)}, {used.replace(' ', space)}"
     if record["draft"]:
-        caption += " (draft: plain rows)"
+        caption += " (draft: not nested)"
 
     def paint(axes: Axes, scale: float) -> None:
-        sheet = [np.array([[0, 0], [length, 0], [length, width], [0, width]])]
-        axes.add_collection(PolyCollection(sheet, facecolors="#f4f1ea", edgecolors="#999999", clip_on=False))
+        outline = hide["outline"] if hide else [[0, 0], [length, 0], [length, width], [0, width]]
+        grounds = [(outline, "#f4f1ea", "#999999")]
+        if hide:
+            grounds += [(ring, "none", ZONE) for _, ring in hide["zones"]]
+            grounds += [(ring, DEFECT, "#333333") for ring in hide["defects"]]
+        for ring, fill, edge in grounds:
+            drawn = np.array([0.0, width]) + np.array(ring) * (1.0, -1.0)
+            axes.add_collection(PolyCollection([drawn], facecolors=fill, edgecolors=edge, clip_on=False))
         cut, sew, notch, nick, internal, grain = (
             [line for piece in pieces for line in piece.lines.get(kind, [])]
             for kind in ("cut", "sew", "notch", "nick", "internal", "grain")

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
+from dataclasses import asdict
 
 import numpy as np
 from numpy.typing import NDArray
@@ -117,9 +118,11 @@ def layout_record(file: str, layout: Layout) -> dict[str, object]:
     return {
         "file": file,
         "material": layout.material.name,
-        "sheet_width_mm": layout.material.width,
+        "sheet": layout.sheet,
+        "sheet_width_mm": layout.size[1],
         "used_length_mm": layout.used_length,
         "utilisation": layout.utilisation,
         "draft": layout.draft,
+        "hide": None if layout.hide is None else asdict(layout.hide),
         "pieces": [placement.as_dict() for placement in layout.placements],
     }

@@ -143,7 +143,8 @@ def test_plain_rows_are_valid_and_always_the_same(seed):
 def run(width=200.0, separation=1.0, seconds=1, limit=20.0, told=None):
     items = [Item.of(shapely.Polygon(SQUARE), count=3)]
     told = [] if told is None else told
-    return run_engine(Strip(width, separation), items, NestingParameters(seconds=seconds), told.append, limit)
+    parameters = NestingParameters(seconds=seconds)
+    return run_engine(Strip(width, separation), items, parameters, lambda *news: told.append(news), limit)
 
 
 @pytest.mark.parametrize("changes", [{"width": 50.0}, {"separation": float("nan")}])
@@ -162,8 +163,10 @@ def test_the_engine_tells_how_it_comes_on():
     placed = run(seconds=2, told=told)
     assert [item for item, *_ in placed] == [0, 0, 0]
     # Three squares of 100 in a row, with a separation between them and at both ends; nothing is shorter.
-    assert told and told == sorted(told, reverse=True)
-    assert 304.0 - 0.01 <= told[-1] <= 320.0
+    lengths = [length for length, _ in told]
+    assert lengths and lengths == sorted(lengths, reverse=True)
+    assert 304.0 - 0.01 <= lengths[-1] <= 320.0
+    assert all(len(layout) == 3 for _, layout in told)
 
 
 def test_where_the_engine_dies_the_layout_is_a_valid_draft():

@@ -30,6 +30,7 @@ from flatnet.project import (
 )
 from flatnet.project.curve_specs import AtLandmark, MeshEdges, NamedLine, OnCurve, OnLine, OnRay, PlaneSection
 
+BOW_TIE, TRIANGLE = "[[0, 0], [9, 9], [9, 0], [0, 9]]", "[[0, 0], [9, 0], [0, 9]]"
 GOOD = Path(__file__).with_name("good.yaml").read_text(encoding="utf-8")
 DOCS = Path(__file__).parents[2] / "docs" / "project-file.md"
 
@@ -311,6 +312,24 @@ BAD = [
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: []}}", 11, 38, "names no angle"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 9, rotations: all}}", 11, 38, "'nap' or 'free', got 'all'"),
     ("ca]}", "ca]}\nmaterials: {m: {width: 1}, n: {width: 1}}", 10, 3, "say which of m, n"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 9, sheets: 2}}", 11, 27, "a sheet has a 'length' too"),
+    ("ca]}", "ca]}\nmaterials: {m: {width: 9, hides: {}}}", 11, 34, "'outline' is missing"),
+    ("ca]}", "ca]}\nmaterials: {m: {hides: []}}", 11, 24, "there is none"),
+    ("ca]}", "ca]}\nmaterials: {m: {hides: {outline: hide.svg}}}", 11, 34, "there is no file"),
+    ("ca]}", "ca]}\nmaterials: {m: {hides: {outline: [[0, 0], [9, 0]]}}}", 11, 34, "three or more points"),
+    ("ca]}", "ca]}\nmaterials: {m: {hides: {outline: [[0, 0], [9, 0], [3]]}}}", 11, 51, "a point [x, y]"),
+    ("ca]}", f"ca]}}\nmaterials: {{m: {{hides: {{outline: {BOW_TIE}}}}}}}", 11, 34, "does not cross itself"),
+    (
+        "ca]}",
+        f"ca]}}\nmaterials: {{m: {{hides: {{outline: {TRIANGLE}, defects: [[[50, 0], [60, 0], [60, 9]]]}}}}}}",
+        11, 24, "a defect lies off the hide",
+    ),
+    (
+        "ca]}",
+        f"ca], zone: B}}\nmaterials: {{m: {{hides: {{outline: {TRIANGLE}, zones: {{A: {TRIANGLE}}}}}}}}}",
+        10, 3, "no hide of material 'm' has a zone 'B'",
+    ),
+    ("ca]}", "ca], match: 3}", 10, 36, "true or false"),
     ("ca]}", "ca]}\nfitting: {ramp_steps: 0}", 11, 23, "ramp_steps must be in [1, 1000], got 0"),
     ("ca]}", "ca]}\nfitting: {ramp_start: 200}", 11, 1, "ramp_end must be in [200,"),
     ("ca]}", "ca]}\nfitting: {w1: 3}", 11, 11, "'w1' belongs to method 'multi_loop'"),
@@ -522,14 +541,15 @@ def test_damaged_files_raise_nothing_but_project_errors(tmp_path: Path) -> None:
 
 
 def test_the_docs_name_every_key_and_parameter() -> None:
-    from flatnet.project import curves, faces, imports, loader, marks, mirror, nodes, paths, sewing
+    from flatnet.project import curves, faces, hides, imports, loader, marks, mirror, nodes, paths, sewing
 
     text = DOCS.read_text(encoding="utf-8")
     keys = {
         *loader._TOP_KEYS, *loader._MESH_KEYS, *loader._MATERIAL_KEYS,
         *nodes._NODE_KEYS, *nodes._RAY_KEYS, *nodes._AT_KEYS, *paths._SECTION_KEYS, *curves._CURVE_KEYS,
         *faces._PATCH_KEYS, *faces._ALSO_KEYS, *faces._GRAIN_KEYS, *marks.MARK_KEYS, *sewing._NOTCH_KEYS,
-        *sewing._DART_KEYS, *sewing._SEWN_KEYS, *sewing._NICK_KEYS, *imports._IMPORT_KEYS, *imports._PLACE_KEYS,
+        *sewing._DART_KEYS, *sewing._SEWN_KEYS, *sewing._NICK_KEYS, *hides._HIDE_KEYS, *imports._IMPORT_KEYS,
+        *imports._PLACE_KEYS,
         *mirror._MIRROR_KEYS, mirror.IMAGE_KEY,
     }
     assert not [key for key in sorted(keys) if not re.search(rf"\b{key}\b:", text)]
