@@ -159,7 +159,7 @@ def test_tiles_show_all_of_every_piece_and_none_is_empty(golden, paper):
         lines = [line - 10.0 + corner for line in pdf_lines(page)[1, 0, 0]]
         inside_any = False
         for key, wanted in golden.cut_lines.items():
-            inside = ((wanted >= corner) & (wanted <= corner + window)).all(axis=1)
+            inside = ((wanted >= corner - EXACT) & (wanted <= corner + window + EXACT)).all(axis=1)
             near = [line for line in lines if line.shape == wanted.shape and np.abs(line - wanted).max() <= 0.001]
             if near:
                 seen[key] |= inside
