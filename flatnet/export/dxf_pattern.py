@@ -28,6 +28,7 @@ from flatnet.export.pieces_json import PieceFile
 from flatnet.export.seven_bit import Transliterated
 from flatnet.pattern.labels import text_width
 from flatnet.pattern.marks import Mark
+from flatnet.pattern.nicks import Nick
 from flatnet.pattern.notches import Notch
 from flatnet.pattern.piece import Piece
 from flatnet.version import VERSION
@@ -146,6 +147,8 @@ class _Block:
         ring = shapely.MultiLineString([[*line, line[0]] for line in (piece.cut_line, *piece.holes)])
         for notch in piece.notches:
             self._notch(notch, ring)
+        for nick in piece.nicks:
+            self._nick(nick)
         for mark in piece.marks:
             self._mark(mark)
         self._line(GRAIN, _grain(piece))
@@ -203,6 +206,13 @@ class _Block:
         for place in notch.feet:
             on_line = shapely.get_coordinates(ring.interpolate(ring.project(shapely.Point(place))))[0]
             self._point(layer, on_line, notch.depth, thickness=notch.width, angle=angle)
+
+    def _nick(self, nick: Nick) -> None:
+        """As a notch: its foot is the middle of its mouth on the cut line."""
+        foot, tip = nick.points[[0, -1 if len(nick.points) == 3 else 0]].mean(axis=0), nick.points[1]
+        angle = math.degrees(math.atan2(*(tip - foot)[::-1])) % 360.0
+        width = float(np.linalg.norm(nick.points[2] - nick.points[0])) if len(nick.points) == 3 else 0.0
+        self._point(NOTCHES, foot, float(np.linalg.norm(tip - foot)), thickness=width, angle=angle)
 
     def _mark(self, mark: Mark) -> None:
         """A line, or a drill hole with its rim."""

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import json
 import warnings
-from itertools import pairwise
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +17,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy.spatial.transform import Rotation
 
+from flatnet.export.seam_sides import run_on
 from flatnet.export.written_build import FittedMesh, WrittenBuild
+from flatnet.pattern.piece import Piece
 
 Floats = NDArray[np.float64]
 
@@ -27,19 +29,21 @@ TO_ITS_AXES = np.array([[-1.0, 0.0, 0.0], [0.0, 0.0, 1.0], [0.0, 1.0, 0.0]])
 
 
 def write_garmentcode(path: Path, build: WrittenBuild) -> None:
-    """One panel for each patch, as often as it is in space: once, and of its first material."""
+    """One panel for each patch: once, of its first material, whole where it is cut on the fold."""
     meshes = {mesh.patch: mesh for mesh in build.meshes}
-    outlines = {piece.name: piece.sew_line for piece in build.pieces.values()}
+    pieces: dict[str, Piece] = {}
+    for piece in build.pieces.values():
+        pieces.setdefault(piece.name, piece)
     record = {
         "pattern": {
-            "panels": {name: _panel(outline, meshes[name]) for name, outline in outlines.items()},
+            "panels": {name: _panel(piece.sew_line, meshes[name]) for name, piece in pieces.items()},
             "stitches": [
                 stitch
                 for seam in build.report["seams"]
-                if len(seam["sides"]) == 2 and all(side["patch"] in outlines for side in seam["sides"])
-                for stitch in _stitches(seam["sides"], {name: len(outline) for name, outline in outlines.items()})
+                if len(seam["sides"]) == 2 and all(side["patch"] in pieces for side in seam["sides"])
+                for stitch in _stitches(seam["curve"], seam["sides"], pieces)
             ],
-            "panel_order": list(outlines),
+            "panel_order": list(pieces),
         },
         "parameters": {},
         "parameter_order": [],
@@ -83,12 +87,14 @@ def _nearest_place(mesh: FittedMesh) -> tuple[Floats, Floats]:
     return rotation, centre - rotation @ middle
 
 
-def _stitches(sides: list[dict[str, Any]], counts: dict[str, int]) -> list[list[dict[str, object]]]:
+def _stitches(
+    seam: str, sides: Sequence[Mapping[str, Any]], pieces: Mapping[str, Piece]
+) -> list[list[dict[str, object]]]:
     """Edge by edge along a seam; an edge is known by the vertex that it starts from, anticlockwise."""
-    edges = [_edges(side["vertices"], counts[side["patch"]]) for side in sides]
     names = [side["patch"] for side in sides]
+    edges = []
+    for name, side in zip(names, sides, strict=True):
+        found = run_on(pieces[name], seam, side["vertices"])
+        assert found is not None, "a fold has one side"
+        edges.append(found[0].edges(len(pieces[name].sew_line)).tolist())
     return [[{"panel": name, "edge": edge} for name, edge in zip(names, pair)] for pair in zip(*edges, strict=True)]
-
-
-def _edges(vertices: list[int], count: int) -> list[int]:
-    return [a if b == (a + 1) % count else b for a, b in pairwise(vertices)]

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
+from flatnet.export.seam_sides import run_on
 from flatnet.export.written_build import WrittenBuild
 from flatnet.geometry.polygon import arclengths
-from flatnet.pattern.piece import Piece
+from flatnet.pattern.piece import Piece, SeamRun
 
 FORMAT = "flatnet-sewing/1"
 
@@ -21,12 +22,12 @@ def write_sewing(path: Path, build: WrittenBuild) -> None:
         "units": "mm",
         "project": build.content.project,
         "size": build.content.size,
-        "seams": [_seam(seam, build.pieces) for seam in build.report["seams"]],
+        "seams": [_seam(seam, build) for seam in build.report["seams"]],
     }
     path.write_text(json.dumps(record, ensure_ascii=False, indent=1) + "\n", encoding="utf-8")
 
 
-def _seam(seam: Mapping[str, Any], pieces: Mapping[str, Piece]) -> dict[str, object]:
+def _seam(seam: Mapping[str, Any], build: WrittenBuild) -> dict[str, object]:
     notches = [
         {"arclength": notch["at_3d_mm"], "marks": notch["marks"], "sides": [notch["at_a_mm"], notch["at_b_mm"]]}
         for notch in seam["notches"]
@@ -39,39 +40,43 @@ def _seam(seam: Mapping[str, Any], pieces: Mapping[str, Piece]) -> dict[str, obj
         "from": seam["from"],
         "to": seam["to"],
         "length": seam["length_3d_mm"],
-        "kind": _kind(seam["patches"]),
+        "kind": _kind(seam, build.pieces.values()),
         "notches": notches,
-        "sides": [_side(seam["curve"], side, pieces) for side in seam["sides"]],
+        "sides": [_side(seam["curve"], side, build) for side in seam["sides"]],
     }
 
 
-def _kind(patches: list[str]) -> str:
-    """`opening`: nothing is sewn to it; `slit`: both sides are the same patch's; `seam`."""
+def _kind(seam: Mapping[str, Any], pieces: Iterable[Piece]) -> str:
+    """`fold`: its piece goes on there; `opening`: one side; `slit`: both sides are the same patch's; `seam`."""
+    patches = seam["patches"]
+    mine = [piece for piece in pieces if piece.name in patches]
+    if mine and not any(run.seam.name == seam["curve"] for piece in mine for run in piece.seams):
+        return "fold"
     if len(patches) == 1:
         return "opening"
     return "slit" if patches[0] == patches[1] else "seam"
 
 
-def _side(seam: str, side: Mapping[str, Any], pieces: Mapping[str, Piece]) -> dict[str, object]:
-    """One side of a seam; every piece of its patch has it along the same vertices, with allowances of its own."""
-    mine = {name: piece for name, piece in pieces.items() if piece.name == side["patch"]}
-    along = next((arclengths(piece.sew_line[side["vertices"]]).tolist() for piece in mine.values()), None)
+def _side(seam: str, side: Mapping[str, Any], build: WrittenBuild) -> dict[str, object]:
+    """One side of a seam, and where every piece of its patch has it, with allowances of its own."""
+    flat = next((mesh.flat for mesh in build.meshes if mesh.patch == side["patch"]), None)
     return {
         "patch": side["patch"],
         "vertices": side["vertices"],
-        "arclengths": along,
+        "arclengths": None if flat is None else arclengths(flat[side["vertices"]]).tolist(),
         "pieces": [
-            {"name": name, "material": piece.material, "allowances": allowances}
-            for name, piece in mine.items()
-            if (allowances := _allowances(piece, seam, side["vertices"])) is not None
+            _on_piece(name, piece, *runs)
+            for name, piece in build.pieces.items()
+            if piece.name == side["patch"] and (runs := run_on(piece, seam, side["vertices"]))
         ],
     }
 
 
-def _allowances(piece: Piece, seam: str, vertices: list[int]) -> list[float] | None:
-    """Of the edges along this side of the seam, told from the other side of a slit by its vertices."""
-    for run in piece.seams:
-        if run.seam.name == seam and run.vertices.tolist() == vertices:
-            allowances: list[float] = piece.allowances[run.edges(len(piece.sew_line))].tolist()
-            return allowances
-    return None
+def _on_piece(name: str, piece: Piece, run: SeamRun, image: SeamRun | None) -> dict[str, object]:
+    return {
+        "name": name,
+        "material": piece.material,
+        "vertices": run.vertices.tolist(),
+        "image": None if image is None else image.vertices.tolist(),
+        "allowances": piece.allowances[run.edges(len(piece.sew_line))].tolist(),
+    }

@@ -2,8 +2,11 @@
 
 import json
 import sys
+from dataclasses import replace
+from pathlib import Path
 
 import ezdxf
+import jsonschema
 import numpy as np
 import pypdf
 import pytest
@@ -11,6 +14,7 @@ import pytest
 from flatnet.cli import main
 from flatnet.parameters import EXPORT_FORMATS
 
+SCHEMA = Path(__file__).parents[2] / "docs" / "sewing.schema.json"
 PROJECT = """
 flatnet: 1
 name: Größe 裤子 брюки
@@ -224,3 +228,82 @@ def test_names_that_are_alike_in_seven_bits_are_blocks_of_their_own(tmp_path):
     write_dxf_pattern(tmp_path / "p.dxf", PieceFile("p", "", {"cloth": cloth()}, pieces), ASTM)
     names = [block.name for block in ezdxf.readfile(tmp_path / "p.dxf").blocks if block.name[0] != "*"]
     assert names == ["fur_ONE", "fur_ONE-2", "Fur_ONE-3"]
+
+
+FOLDED = """
+flatnet: 1
+name: folded
+edge_length: 25
+nodes: {a: [0, 0, 0], b: [100, 0, 0], c: [100, 200, 0], d: [0, 180, 0], e: [160, 0, 0], f: [150, 200, 0]}
+curves:
+  middle: {from: d, to: a, normals: [0, 0, 1]}
+  hem: {from: a, to: b, normals: [0, 0, 1], allowance: 12, notches: {at: [30]}}
+  side: {from: b, to: c, normals: [0, 0, 1]}
+  top: {from: c, to: d, normals: [0, 0, 1]}
+  foot: {from: b, to: e, normals: [0, 0, 1]}
+  edge: {from: e, to: f, normals: [0, 0, 1]}
+  head: {from: f, to: c, normals: [0, 0, 1]}
+patches:
+  back: {around: [hem, side, top, middle], fold: middle, allowance: 5}
+  flank: {around: [foot, edge, head, -side], mirrored: 1}
+rest: openings
+nesting: {seconds: 1}
+"""
+
+
+def test_a_piece_on_the_fold_is_sewn_on_both_its_halves(tmp_path):
+    (tmp_path / "project.yaml").write_text(FOLDED)
+    out = tmp_path / "out"
+    assert main(["build", str(tmp_path / "project.yaml"), "-o", str(out)]) == 0
+    assert export(out, "sewing", "garmentcode", "dxf-astm") == 0
+    pieces = {piece["name"]: piece for piece in json.loads((out / "pieces.json").read_text())["pieces"]}
+    record = json.loads((out / "exports" / "sewing.json").read_text())
+    jsonschema.validate(record, json.loads(SCHEMA.read_text()))
+    start, end = np.array(pieces["back"]["fold"])
+    across = np.array([[0, 1], [-1, 0]]) @ (end - start) / np.linalg.norm(end - start)
+    assert {seam["name"]: seam["kind"] for seam in record["seams"] if seam["kind"] != "opening"} == {
+        "middle": "fold", "side": "seam"}
+    for seam in record["seams"]:
+        for side in seam["sides"] if seam["kind"] != "fold" else []:
+            (on_piece,) = side["pieces"]
+            points = np.array(pieces[on_piece["name"]]["sew_line"])
+            along = points[on_piece["vertices"]]
+            lengths = np.linalg.norm(np.diff(along, axis=0), axis=1)
+            assert np.diff(side["arclengths"]) == pytest.approx(lengths, abs=1e-9)
+            assert (on_piece["image"] is None) == (side["patch"] == "flank")
+            if on_piece["image"]:
+                mirrored = along - 2.0 * ((along - start) @ across)[:, None] * across
+                assert np.abs(points[on_piece["image"]] - mirrored).max() < 1e-9
+    panels = json.loads((out / "exports" / "folded_specification.json").read_text())["pattern"]
+    stitches = panels["stitches"]
+    (joined,) = [seam for seam in record["seams"] if len(seam["sides"]) == 2]
+    assert len(stitches) == len(joined["sides"][0]["vertices"]) - 1
+    for stitch in stitches:
+        lengths = []
+        for side in stitch:
+            vertices = np.array(panels["panels"][side["panel"]]["vertices"])
+            lengths.append(np.linalg.norm(vertices[(side["edge"] + 1) % len(vertices)] - vertices[side["edge"]]))
+        assert lengths[0] == pytest.approx(lengths[1], abs=1e-9)
+    block = ezdxf.readfile(out / "exports" / "pattern-astm.dxf").blocks.get("back_ONE")
+    assert len(block.query('POINT[layer=="4"]')) == 2
+
+
+def test_nicks_are_cut_like_the_outline_and_are_notches_in_the_trades_dxf(tmp_path):
+    from pieces import SQUARE, cloth, piece
+
+    from flatnet.export.dxf_pattern import ASTM, write_dxf_pattern
+    from flatnet.export.hpgl import write_hpgl
+    from flatnet.export.pieces_json import PieceFile
+    from flatnet.nesting import Layout, Placement
+    from flatnet.pattern.nicks import Nick
+
+    wedge = Nick("seam_0", np.array([[48.0, -10.0], [50.0, -3.0], [52.0, -10.0]]))
+    slit = Nick("seam_1", np.array([[110.0, 30.0], [104.0, 30.0]]))
+    made = replace(piece(SQUARE, cloth(allowance=10.0), name="p"), nicks=(wedge, slit))
+    write_dxf_pattern(tmp_path / "p.dxf", PieceFile("p", "", {"cloth": cloth()}, {"p": made}), ASTM)
+    points = ezdxf.readfile(tmp_path / "p.dxf").blocks.get("p_ONE").query('POINT[layer=="4"]')
+    said = [(*p.dxf.location.xyz, p.dxf.thickness, p.dxf.angle) for p in points]
+    assert said == [pytest.approx((50, -10, 7, 4, 90)), pytest.approx((110, 30, 6, 0, 180))]
+    write_hpgl(tmp_path / "p.plt", Layout(cloth(), (Placement(made, 1, False, 0.0, 10.0, 10.0),)))
+    pens = (tmp_path / "p.plt").read_text().split("SP1;")
+    assert "PU2320,0;PD2400,280,2480,0" in pens[1]
