@@ -83,7 +83,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
         _say("\n".join(summary_lines(result.report, result.folder)), sys.stdout)
         return result.exit_status
     except ProjectError as error:
-        written = "; nothing was written" if options.command == "build" else ""
+        written = "; nothing was written" if options.command in ("build", "nest") else ""
         _say(f"{error}\n{counted(len(error.problems), 'problem')}{written}.", sys.stderr)
         return EXIT_INVALID
     except REFUSALS as error:
@@ -142,6 +142,8 @@ def _parser() -> argparse.ArgumentParser:
     command.add_argument("-o", "--out", type=Path, default=Path("layout"), help="output folder (default: layout)")
     text = f"time of the engine for each sheet (default: {NestingParameters.seconds})"
     command.add_argument("--seconds", type=_seconds, default=NestingParameters.seconds, metavar="N", help=text)
+    text = "lay on these: a file with `materials` as a project file has them, in place of those of the same name"
+    command.add_argument("--materials", type=Path, metavar="FILE.yaml", help=text)
     command.add_argument("--seed", type=int, default=NestingParameters.seed, metavar="N", help="of the engine")
     _add_nesting(command)
     text = "try cuts on the patches that fail or wrinkle, and print the best ones ready to paste"
@@ -268,7 +270,11 @@ def _nest(options: argparse.Namespace) -> BuildResult:
     parameters = NestingParameters(options.seconds, options.seed)
     if options.final:
         parameters = parameters.final()
-    return _shown(lambda progress: lay(options.sources, options.out, parameters, progress, options.nest_again))
+    return _shown(
+        lambda progress: lay(
+            options.sources, options.out, parameters, progress, options.nest_again, options.materials
+        )
+    )
 
 
 def _shown(work: Callable[[BuildProgress], BuildResult]) -> BuildResult:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from functools import partial
 from pathlib import Path
@@ -19,6 +19,7 @@ from flatnet.nesting.nest import nest
 from flatnet.nesting.stored import read_stored, write_stored
 from flatnet.parameters import NestingParameters
 from flatnet.pattern.piece import Piece
+from flatnet.project.loader import load_materials
 from flatnet.project.model import Material
 from flatnet.report.report import layout_record, status
 from flatnet.version import VERSION
@@ -34,6 +35,7 @@ def lay(
     parameters: NestingParameters,
     progress: Progress = lambda *_: None,
     again: bool = False,
+    materials_file: str | Path | None = None,
 ) -> BuildResult:
     """Lay the pieces of all sources out, those of one material together, and write the layouts to the folder `out`.
 
@@ -41,15 +43,19 @@ def lay(
     ----------
     sources : output folders of builds; or one file with a strip packing problem (JSON).
     again : do not use the layouts that an earlier run left in `out`.
+    materials_file : YAML with `materials`, which take the place of those of the same name.
 
     Raises
     ------
+    ProjectError
+        The file of materials is invalid.
     LayError, InstanceError
         A source holds no pieces, or two of them have different materials of one name; nothing is written.
     OutputError
         The folder can't be used or written.
     """
-    title, pieces, materials = _read([Path(source) for source in sources])
+    others = {} if materials_file is None else load_materials(materials_file)
+    title, pieces, materials = _read([Path(source) for source in sources], others)
     layouts: list[Layout] = []
     findings: list[Finding] = []
     with OutputFolder(Path(out)) as output:
@@ -99,12 +105,13 @@ def _report(
     }
 
 
-def _read(sources: Sequence[Path]) -> tuple[str, list[Piece], list[Material]]:
-    """Title, pieces of distinct names, and their materials."""
+def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str, list[Piece], list[Material]]:
+    """Title, pieces of distinct names, and their materials, in whose place others may be."""
     if len(sources) == 1 and not sources[0].is_dir():
         pieces, material = read_instance(sources[0])
-        return material.name, pieces, [material]
+        return material.name, pieces, [others.get(material.name, material)]
     builds = [_read_build(source) for source in sources]
+    builds = [replace(build, materials={**build.materials, **others}) for build in builds]
     materials: dict[str, Material] = {}
     for source, build in zip(sources, builds):
         for name in dict.fromkeys(piece.material for piece in build.pieces.values()):
@@ -114,6 +121,10 @@ def _read(sources: Sequence[Path]) -> tuple[str, list[Piece], list[Material]]:
                     f"{source}: its material '{name}' is another than that of the folders before it; pieces are laid "
                     "together where width, length, rotations, gap and allowance are the same"
                 )
+    unknown = [name for name in others if name not in materials]
+    if unknown:
+        used = ", ".join(map(repr, materials))
+        raise LayError(f"no piece is cut from material {unknown[0]!r}; the pieces' materials are {used}")
     titles = [build.title for build in builds]
     prefixes = [title if titles.count(title) == 1 else f"{title} {at}" for at, title in enumerate(titles, 1)]
     pieces = [

@@ -147,3 +147,22 @@ def test_a_piece_that_does_not_fit_fails_and_the_others_are_laid(tmp_path):
     (finding,) = result.report["findings"]
     assert (finding["code"], finding["patch"]) == ("sheet_too_small", "large: front")
     assert "missing large: front" in (tmp_path / "out" / "layout-cloth.svg").read_text()
+
+
+def test_other_materials_take_the_place_of_those_of_the_build(tmp_path, capsys):
+    build = written_build(tmp_path / "out", SQUARE, "square", "", cloth(width=450.0))
+    hide = tmp_path / "hide.yaml"
+    outline = "[[0, 0], [30, 0], [30, 20], [0, 20]]"
+    hide.write_text(f"units: cm\nmaterials: {{cloth: {{rotations: free, hides: {{outline: {outline}}}}}}}\n")
+    assert main(["nest", str(build), "-o", str(tmp_path / "laid"), "--seconds", "1", "--materials", str(hide)]) == 0
+    (record,) = read_report(tmp_path / "laid")["layouts"]
+    assert record["hide"]["outline"] == [[0, 0], [300, 0], [300, 200], [0, 200]]
+    assert record["utilisation"] == pytest.approx(2e4 / 6e4, rel=1e-9)
+    text = (tmp_path / "laid" / record["file"]).read_text()
+    assert 'class="sheet"' in text and "M 0.0,200.0 300.0,200.0 300.0,0.0 0.0,0.0 Z" in text
+    hide.write_text("materials: {cloth: {width: wide}, felt: {width: 9}}")
+    assert main(["nest", str(build), "-o", str(tmp_path / "laid"), "--materials", str(hide)]) == 2
+    assert "hide.yaml:1:28: material 'cloth': width: expected a number" in capsys.readouterr().err
+    hide.write_text("materials: {felt: {width: 9}}")
+    assert main(["nest", str(build), "-o", str(tmp_path / "laid"), "--materials", str(hide)]) == 2
+    assert "no piece is cut from material 'felt'" in capsys.readouterr().err

@@ -143,7 +143,7 @@ def _left(copies: Sequence[Copy], layouts: Sequence[Layout]) -> list[Copy]:
 
 def _out_of_material(left: Sequence[Copy], material: Material) -> list[Finding]:
     findings = []
-    what = f"its {len(material.hides)} hides" if material.hides else f"its {material.count:g} sheets"
+    count = f"{material.count:g} {'hide' if material.hides else 'sheet'}{'s' * (material.count != 1)}"
     for name, missing in Counter(copy.piece.name for copy in left).items():
         piece = next(copy.piece for copy in left if copy.piece.name == name)
         zone = f" in zone '{piece.zone}'" if piece.zone else ""
@@ -155,7 +155,7 @@ def _out_of_material(left: Sequence[Copy], material: Material) -> list[Finding]:
                 amount=float(missing),
                 unit="copies",
                 message=f"{missing} of {piece.cut + piece.mirrored} copies have no room{zone} on material "
-                f"'{material.name}', on {what}.",
+                f"'{material.name}', which has {count}.",
                 remedy="Add material, or cut fewer copies; more seconds for nesting may find room.",
             )
         )

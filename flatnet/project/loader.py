@@ -111,6 +111,26 @@ def parse_project(file: Path, text: str) -> Project:
     return project
 
 
+def load_materials(path: str | Path) -> dict[str, Material]:
+    """Read and check a file that has materials alone (`units`, `materials`), as in a project file.
+
+    Raises
+    ------
+    ProjectError
+        With every problem of the file.
+    """
+    file = Path(path)
+    root = compose(file, read_text(file))
+    problems = tree_problems(root)
+    top = Section(root, "", mark_of(root), ("units", "materials"), problems)
+    materials = _materials(file, top.section("materials", None), top.get("units", unit, 1.0))
+    if "materials" not in top.values:
+        top.problem(top.mark, "'materials' is missing")
+    if problems:
+        raise ProjectError(file, problems)
+    return materials
+
+
 def _project(file: Path, top: Section) -> Project:
     mm_per_unit = top.get("units", unit, 1.0)
     size = length_in(mm_per_unit, positive=True)

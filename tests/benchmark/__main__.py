@@ -28,6 +28,7 @@ PARTS = {
     "stages": "large_stages",
     "wrinkles": "wrinkles",
     "remedies": "remedies",
+    "nesting": "nesting",
     "figures": "figures",
 }
 

@@ -149,7 +149,7 @@ def test_hide_after_hide_and_what_is_left_over_is_told():
     layouts, (finding,) = nest(pieces, material, QUICK)
     assert [(layout.sheet, len(layout.placements)) for layout in layouts] == [(1, 2), (3, 2)]
     assert (finding.code, finding.patch, finding.amount) == ("out_of_material", "square", 2.0)
-    assert "2 of 6 copies have no room on material 'cloth', on its 3 hides" in finding.message
+    assert "2 of 6 copies have no room on material 'cloth', which has 3 hides" in finding.message
     left = [copy for copy in copies_of(pieces) if copy.number > 4]
     assert Counter(p.copy for layout in layouts for p in layout.placements) == Counter([1, 2, 3, 4])
     assert check_layouts(layouts, pieces, left) == []
