@@ -29,6 +29,10 @@ REMESH_STRAIN = 0.08
 #: A fresh tessellation does not take the place of a mesh without thinner triangles than this, rad, if it ends with
 #: some; triangles at boundary corners sharper than `SHARP` have no choice.
 THIN, SHARP = np.radians(15.0), np.radians(30.0)
+#: A fit that is still rough counts as thin below this, rad: the last steps take a degree off.
+NEARLY_THIN = np.radians(16.0)
+#: By how much the weights of strain, area and normals grow for the stiffer sheet that follows where triangles are thin.
+STIFF_STRAIN, STIFF_AREA, STIFF_NORMALS = 10.0, 20.0, 2.0
 #: The coarsest level has at the most about so many vertices, and each has a quarter of the next finer one's ...
 COARSE_VERTICES = 900
 #: ... but where the boundary's edges are short it may not get below this part of them: then there is one level.
@@ -57,12 +61,12 @@ def fit_in_levels(
         for length in lengths[1:]:
             finer = _on_fresh_mesh(finer, length, planar_boundary, patch) if finer is not None else None
         if finer is not None:
-            mesh = finer.finished()
+            mesh = _finished([finer], planar_boundary, patch)
             if mesh.status == CONVERGED:
                 return mesh
-    fits = _rounds(warped, planar, patch.edge_length, planar_boundary, patch, parameters)
-    mesh = fits[-1].finished()
-    return mesh if mesh.status == CONVERGED else fits[0].finished()
+    return _finished(
+        _rounds(warped, planar, patch.edge_length, planar_boundary, patch, parameters), planar_boundary, patch
+    )
 
 
 def _coarse_start(
@@ -103,6 +107,31 @@ def _rounds(
     return fits
 
 
+def _finished(fits: list[RoughFit], planar_boundary: PlanarBoundary, patch: Patch) -> FlattenableMesh:
+    """M of the last fit, on a stiffer sheet where its triangles are thin; the first fit's where that does not converge.
+
+    Normals that contradict a flat sheet strain single triangles of it. Meshed anew and with more weight on lengths and
+    areas the same shape keeps the triangles of its mesh; twice the weight of the normals holds it to them.
+    """
+    tried = fits[:1] + fits[1:][-1:]
+    parameters = fits[0].parameters
+    if parameters.remesh_rounds and fits[-1].arrived and _smallest_angle(fits[-1].mesh) < NEARLY_THIN:
+        stiff = replace(
+            parameters,
+            strain_weight=min(STIFF_STRAIN * parameters.strain_weight, 1e3),
+            area_weight=min(STIFF_AREA * parameters.area_weight, 1e3),
+            normal_weight=min(STIFF_NORMALS * parameters.normal_weight, 1e4),
+        )
+        again = _on_fresh_mesh(fits[-1], patch.edge_length, planar_boundary, patch, stiff)
+        if again is not None and _smallest_angle(again.mesh) > _smallest_angle(fits[-1].mesh):
+            tried.append(again)
+    for fit in reversed(tried):
+        mesh = fit.finished()
+        if mesh.status == CONVERGED:
+            break
+    return mesh
+
+
 def _smallest_angle(mesh: FlattenableMesh) -> float:
     """Of the triangles' angles at vertices that are not sharp corners of the boundary, rad."""
     angles = corner_angles(mesh.vertices, mesh.triangles)
@@ -111,9 +140,16 @@ def _smallest_angle(mesh: FlattenableMesh) -> float:
 
 
 def _on_fresh_mesh(
-    fit: RoughFit, edge_length: float, planar_boundary: PlanarBoundary, patch: Patch
+    fit: RoughFit,
+    edge_length: float,
+    planar_boundary: PlanarBoundary,
+    patch: Patch,
+    stiff: FairParameters | None = None,
 ) -> RoughFit | None:
-    """M on a new tessellation of its own flat outline; None where that can't be made flattenable."""
+    """M on a new tessellation of its own flat outline; None where that can't be made flattenable.
+
+    stiff : the parameters to fit with, where they are not those of the patch.
+    """
     if not fit.arrived:
         return None
     mesh = fit.mesh
@@ -123,7 +159,8 @@ def _on_fresh_mesh(
     except PatchFailure:  # the flat outline crosses itself
         return None
     carried = carried_over(mesh, flat, planar, fit.parameters.normal_weight)
-    again = roughly_refit(carried, patch.boundary, planar, fit.parameters)
+    again = roughly_refit(carried, patch.boundary, planar, stiff or fit.parameters)
     if not again.arrived:
         return None
-    return replace(again, mesh=replace(again.mesh, steps=mesh.steps + again.mesh.steps))
+    steps = mesh.steps + again.mesh.steps
+    return replace(again, mesh=replace(again.mesh, steps=steps, parameters=mesh.parameters))

@@ -268,9 +268,7 @@ def _chord_steps(
     return x, c
 
 
-def _line_search(
-    problem: Problem, x: Floats, step: Floats, c: Floats
-) -> tuple[Floats | None, Floats]:
+def _line_search(problem: Problem, x: Floats, step: Floats, c: Floats) -> tuple[Floats | None, Floats]:
     """Halve the step until |c| falls; try it twice as long where it is short."""
     step = step * min(1.0, NORMAL_STEP / max(longest(step), 1e-300))
     for cut in range(2 * CUTS):

@@ -15,7 +15,7 @@ from flatnet.geometry.triangles import bending, edge_strain, hinge_angles, hinge
 from flatnet.parameters import FairParameters
 
 #: Bending E at normal weight 1 and about 550 vertices; a crumpled solution lies at two to forty times as much.
-FAIR = {"w05": 300, "w12": 600, "w20": 950, "saddle": 110, "vamp": 7, "cap": 0.01, "pants": 60, "cylinder": 25}
+FAIR = {"w05": 300, "w12": 600, "w20": 1000, "saddle": 110, "vamp": 7, "cap": 0.01, "pants": 60, "cylinder": 25}
 
 
 def fitted(name, n=110, **parameters):
