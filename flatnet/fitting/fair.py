@@ -143,6 +143,10 @@ class RoughFit:
     def arrived(self) -> bool:
         return self.mesh.status == CONVERGED
 
+    def settled(self) -> RoughFit:
+        """The fit with its mesh finished."""
+        return replace(self, mesh=self.finished())
+
     def finished(self) -> FlattenableMesh:
         """M, flattenable to `parameters.tolerance` where it converges; as it is where it has not even arrived."""
         if not self.arrived:

@@ -59,7 +59,8 @@ def fit_in_levels(
         fits = _rounds(coarse_warped, coarse_planar, lengths[0], planar_boundary, patch, parameters)
         finer: RoughFit | None = fits[-1]
         for length in lengths[1:]:
-            finer = _on_fresh_mesh(finer, length, planar_boundary, patch) if finer is not None else None
+            # A finer mesh keeps what the coarser one has settled on; from a rough one it finds a worse minimum.
+            finer = _on_fresh_mesh(finer.settled(), length, planar_boundary, patch) if finer is not None else None
         if finer is not None:
             mesh = _finished([finer], planar_boundary, patch)
             if mesh.status == CONVERGED:
