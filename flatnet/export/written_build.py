@@ -16,6 +16,7 @@ from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
 from flatnet.export.output import REPORT, REPORT_FORMAT
 from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
+from flatnet.geometry.chains import boundary_edges
 from flatnet.nesting.layout import Layout, Placement
 from flatnet.pattern.piece import Piece
 
@@ -45,6 +46,11 @@ class FittedMesh:
     vertices: Floats
     triangles: Ints
     flat: Floats
+
+    @property
+    def outline(self) -> Floats:
+        """Its flat boundary, (n, 2): the first n vertices. Of a piece with a fold it is the one half."""
+        return self.flat[: len(np.unique(boundary_edges(self.triangles)))]
 
 
 @dataclass(frozen=True, eq=False)

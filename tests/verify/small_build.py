@@ -1,6 +1,6 @@
 """A build of three small patches, for tests that look at its files."""
 
-#: Two bowed panels of one roof, sewn along its ridge, and a lid of a material that gives.
+#: Two bowed panels of one roof, sewn along its ridge, and a wall that is cut on the fold from a material that gives.
 PROJECT = """\
 flatnet: 1
 name: roof
@@ -28,7 +28,7 @@ curves:
 patches:
   front: {around: [eaves, right, ridge, left], material: cloth, cut: 1, mirrored: 1, grain: [1, 0, 0]}
   back: {around: [-ridge, right_back, back, left_back], material: cloth, grain: [0, 1, 0]}
-  wall: {around: [-eaves, -down_left, -foot, -down_right], material: leather, grain: [1, 0, 0]}
+  wall: {around: [-eaves, -down_left, -foot, -down_right], material: leather, grain: [1, 0, 0], fold: down_left}
 rest: openings
 materials:
   cloth: {width: 500, gap: 3, allowance: 10}

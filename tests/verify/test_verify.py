@@ -264,6 +264,10 @@ PLANTED = {
         lambda out: edit_piece(out, lambda text: re.sub(r'(class="cut" d="M )(\S+),', lambda f:
             f"{f.group(1)}{float(f.group(2)) - 0.01:.3f},", text), "back", 1, "pieces/back.svg"),
         "piece alone as on the sheet", "pieces/back.svg", "back", (0.01, 1e-6)),
+    "a half on the fold that is another": (
+        lambda out: edit_piece(out, lambda text: re.sub(r'(class="sew" d="M )(\S+),', lambda f:
+            f"{f.group(1)}{float(f.group(2)) - 0.01:.3f},", text), "wall", 1, "pieces/wall_on_fold.svg"),
+        "halves on the fold", "pieces/wall_on_fold.svg", "wall", (0.01, 0.1)),
     "a placement stored otherwise": (
         lambda out: edit_json(
             out, "layout.json",
@@ -329,7 +333,7 @@ def test_a_planted_error_is_found(out, planted):
 
 def test_a_good_build_passes_and_its_files_are_named_with_their_hashes(out, capsys):
     assert main(["verify", str(out)]) == 0
-    assert "FAILED" not in (said := capsys.readouterr().out) and "verified: 18 files" in said
+    assert "FAILED" not in (said := capsys.readouterr().out) and "verified: 19 files" in said
     certificate = json.loads((out / "certificate.json").read_text())
     report = json.loads((out / "report.json").read_text())
     assert certificate["passed"] and certificate["problems"] == []
