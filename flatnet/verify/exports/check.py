@@ -227,11 +227,8 @@ def _garmentcode(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterato
     for name, panel in panels.items():
         vertices = 10.0 * panel.numbers("vertices", 2)
         ends[name] = vertices[np.array([edge.indices("endpoints") for edge in panel.records("edges")])]
-        patch = build.patches.get(name)
-        if patch is None or patch.mesh.faults:
-            raise DamagedError(file, f"there is no patch to compare the panel '{name}' with")
-        wanted = [Outline(name, "sew", patch.mesh.outline)]
-        yield from _outlines(file, "GarmentCode", wanted, {"": [vertices]}, EXACT, moved=True)
+        wanted = [outline for piece in build.pieces if piece.patch == name for outline in of_piece(piece)[:1]]
+        yield from _outlines(file, "GarmentCode", wanted[:1], {"": [vertices]}, EXACT, moved=True)
     for number, stitch in enumerate(pattern.record_lists("stitches")):
         lengths = []
         for side in stitch:
