@@ -1,8 +1,13 @@
 """Stands here so that pytest puts this folder on the import path (tests share `pieces`), and for what is built once."""
 
+import os
 from pathlib import Path
 
 import pytest
+
+# Before numpy is imported. Two processes of tests with two threads each on two cores take ten times as long for small
+# matrices as with one; the build's own workers have one each in any case.
+os.environ.setdefault("OMP_NUM_THREADS", "1")
 
 PROJECTS = Path(__file__).parents[1] / "projects"
 

@@ -136,11 +136,11 @@ def command(*arguments):
 @pytest.mark.parametrize(
     "moment, ending, to_all",
     [
-        ("[1/28]", signal.SIGINT, True),
-        ("[1/28]", signal.SIGINT, False),
+        ("[1/7]", signal.SIGINT, True),
+        ("[1/7]", signal.SIGINT, False),
         ("nesting", signal.SIGINT, True),
         ("nesting", signal.SIGINT, False),
-        ("[1/28]", signal.SIGTERM, False),
+        ("[1/7]", signal.SIGTERM, False),
         ("nesting", signal.SIGTERM, False),
     ],
 )
@@ -153,7 +153,7 @@ def test_an_interrupted_build_leaves_the_earlier_one_as_it_was(square, tmp_path,
     assert main(["build", str(square), "-o", str(out)]) == 0
     before = files_in(out)
     process = subprocess.Popen(
-        command("build", ROOT / "projects/pants/project.yaml", "-o", out),
+        command("build", ROOT / "projects/bag/project.yaml", "-o", out),
         stderr=subprocess.PIPE, stdout=subprocess.PIPE, text=True, start_new_session=True,
     )
     assert process.stderr is not None
