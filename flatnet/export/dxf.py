@@ -12,13 +12,10 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
-from flatnet.export.lines import KINDS, Line, Words, piece_lines, placed_words
+from flatnet.export.lines import KINDS, Line, Words, piece_lines, placed_words, sheet_lines
 from flatnet.export.missing_library import needs
 from flatnet.nesting.layout import Layout
-
-Floats = NDArray[np.float64]
 
 TITLE_HEIGHT = 10.0  # mm
 
@@ -52,9 +49,9 @@ def _draw_sheet(document: Any, layout: Layout, title: str, strokes: Mapping[str,
     for name in (*KINDS, "text", "sheet"):
         document.layers.add(name, true_color=int(strokes[name][1:], 16))
     page = document.modelspace()
-    length, width = layout.used_length, layout.material.width
-    _draw(page, Line("sheet", np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]]), closed=True))
-    _write(page, Words(title, np.array([0.5 * length, -2.0 * TITLE_HEIGHT]), 0.0, TITLE_HEIGHT))
+    for line in sheet_lines(layout):
+        _draw(page, line)
+    _write(page, Words(title, np.array([0.5 * layout.size[0], -2.0 * TITLE_HEIGHT]), 0.0, TITLE_HEIGHT))
     for placement in layout.placements:
         entities = [_draw(page, line.moved(placement)) for line in piece_lines(placement.piece)]
         entities += [_write(page, words) for words in placed_words(placement)]

@@ -153,10 +153,8 @@ def require_libraries(formats: Sequence[str]) -> None:
 def title(build: WrittenBuild, sheet: Sheet) -> str:
     """What a sheet is, in one line."""
     layout = sheet.layout
-    parts = [build.content.title, layout.material.name]
-    if layout.sheet > 1:
-        parts.append(f"sheet {layout.sheet}")
-    parts.append(f"{layout.material.width:g} x {layout.used_length:.1f} mm")
+    length, width = layout.size
+    parts = [build.content.title, layout.name, f"{width:g} x {length:.1f} mm"]
     if build.missing:
         parts.append(f"INCOMPLETE: missing {', '.join(build.missing)}")
     return " · ".join(parts)

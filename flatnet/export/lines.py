@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from flatnet.nesting.layout import Placement, turn
+from flatnet.nesting.layout import Layout, Placement, turn
 from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head
 from flatnet.pattern.piece import Piece
 
@@ -21,7 +21,7 @@ KINDS = ("sew", "internal", "grain", "notch", "nick", "cut")
 
 @dataclass(frozen=True, eq=False)
 class Line:
-    """A polyline, (k, 2) mm; of a closed one the first point is not repeated. `kind` is one of `KINDS`."""
+    """A polyline, (k, 2) mm; of a closed one the first point is not repeated. `kind`: one of `KINDS`, or `sheet`."""
 
     kind: str
     points: Floats
@@ -40,6 +40,22 @@ class Words:
     position: Floats
     angle: float
     height: float
+
+
+def sheet_outline(layout: Layout) -> Floats:
+    """The rim of a sheet, (k, 2) mm, y up: of a hide its own, else the rectangle that is used."""
+    if layout.hide is not None:
+        return np.array(layout.hide.outline)
+    length, width = layout.size
+    return np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]])
+
+
+def sheet_lines(layout: Layout) -> Iterator[Line]:
+    """All lines of a sheet itself: its rim, and of a hide the rims of its defects and quality zones."""
+    yield Line("sheet", sheet_outline(layout), closed=True)
+    if layout.hide is not None:
+        for ring in (*layout.hide.defects, *(ring for _, ring in layout.hide.zones)):
+            yield Line("sheet", np.array(ring), closed=True)
 
 
 def piece_lines(piece: Piece) -> Iterator[Line]:

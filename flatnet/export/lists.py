@@ -42,9 +42,9 @@ def write_material_list(path: Path, build: WrittenBuild) -> None:
             "material": sheet.layout.material.name,
             "sheet": sheet.layout.sheet,
             "file": sheet.name,
-            "width_mm": f"{sheet.layout.material.width:g}",
+            "width_mm": f"{sheet.layout.size[1]:g}",
             "used_length_mm": f"{sheet.layout.used_length:.1f}",
-            "area_m2": f"{1e-6 * sheet.layout.material.width * sheet.layout.used_length:.3f}",
+            "area_m2": f"{1e-6 * sheet.layout.area:.3f}",
             "copies": len(sheet.layout.placements),
             "used_percent": f"{100.0 * sheet.layout.utilisation:.1f}",
         }

@@ -77,7 +77,7 @@ def _spread(build: WrittenBuild) -> Mapping[str, Floats]:
             name = placement.piece.name
             if not placement.mirrored and name not in spread:
                 spread[name] = placement.place(flat[name]) + (start, 0.0)
-        start += sheet.layout.used_length
+        start += sheet.layout.size[0]
     return spread
 
 

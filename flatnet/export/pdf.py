@@ -15,7 +15,7 @@ import numpy as np
 import shapely
 from numpy.typing import NDArray
 
-from flatnet.export.lines import Line, Words, piece_lines, placed_words
+from flatnet.export.lines import Line, Words, piece_lines, placed_words, sheet_lines
 from flatnet.export.missing_library import needs
 from flatnet.export.pdf_fonts import Fonts
 from flatnet.export.tiles import Paper, Tile, Tiling, tile_sheet
@@ -130,7 +130,7 @@ def draw_full_size(pages: Pages, layout: Layout, title: str, rows: Sequence[str]
 
     A sheet that is longer than any page may be is divided into as long ones.
     """
-    size = np.array([layout.used_length, layout.material.width])
+    size = np.array(layout.size)
     if (size + [2.0 * MARGIN, 2.0 * MARGIN + TEST_SQUARE]).max() > LONGEST:
         longest = np.minimum(size + 2.0 * MARGIN, 0.98 * LONGEST)
         draw_tiles(pages, layout, title, rows, Paper("plotter", *longest.tolist()))
@@ -140,7 +140,7 @@ def draw_full_size(pages: Pages, layout: Layout, title: str, rows: Sequence[str]
     low = MARGIN + table + MARGIN + TEST_SQUARE
     pages.start(width + 2.0 * MARGIN, low + MARGIN + size[1] + MARGIN)
     corner = np.array([MARGIN, low + MARGIN])
-    pages.box(corner, size)
+    _draw_sheet(pages, layout, corner)
     _draw_pieces(pages, layout, corner)
     _draw_band(pages, title, np.array([MARGIN, low]), width)
     _draw_rows(pages, rows, np.array([MARGIN, MARGIN + table]), width, table)
@@ -149,12 +149,17 @@ def draw_full_size(pages: Pages, layout: Layout, title: str, rows: Sequence[str]
 
 def draw_tiles(pages: Pages, layout: Layout, title: str, rows: Sequence[str], paper: Paper) -> None:
     """A first page with test square, ruler and a map of the others, then the tiles."""
-    size = np.array([layout.used_length, layout.material.width])
+    size = np.array(layout.size)
     regions = [shapely.transform(p.piece.region, p.place) for p in layout.placements]
     tiling = tile_sheet(size, regions, paper)
     _draw_cover(pages, layout, title, rows, tiling, size)
     for number, tile in enumerate(tiling.tiles, start=1):
         _draw_tile(pages, layout, title, tiling, tile, number)
+
+
+def _draw_sheet(pages: Pages, layout: Layout, shift: Floats) -> None:
+    for line in sheet_lines(layout):
+        pages.draw(line, shift)
 
 
 def _draw_pieces(pages: Pages, layout: Layout, shift: Floats, window: shapely.Geometry | None = None) -> None:
@@ -176,6 +181,8 @@ def _draw_tile(pages: Pages, layout: Layout, title: str, tiling: Tiling, tile: T
     pages.canvas.saveState()
     pages.clip(margin, paper.window)
     window = shapely.box(*tile.corner, *(tile.corner + paper.window))
+    if layout.hide is not None:
+        _draw_sheet(pages, layout, margin - tile.corner)
     _draw_pieces(pages, layout, margin - tile.corner, window)
     pages.canvas.restoreState()
     pages.box(margin, paper.window)

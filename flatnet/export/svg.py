@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from svgwrite.container import Group
 from svgwrite.extensions import Inkscape
 
-from flatnet.export.lines import KINDS, piece_labels
+from flatnet.export.lines import KINDS, piece_labels, sheet_outline
 from flatnet.nesting.layout import Layout, Placement, turn
 from flatnet.parameters import STROKES
 from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head, text_width
@@ -66,9 +66,8 @@ def write_layout(
     by_meaning : one layer for each meaning, with a group for every piece in it; else one group for every piece.
     """
     length, width = layout.size
-    kind = "hide" if layout.hide else "sheet"
     title = [
-        f"{project} · {layout.material.name}" + (f" · {kind} {layout.sheet}" if layout.sheet > 1 else ""),
+        f"{project} · {layout.name}",
         f"{width:g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
     ]
     if layout.draft:
@@ -81,15 +80,11 @@ def write_layout(
 
 def _sheet_lines(layout: Layout) -> list[tuple[str, Floats]]:
     """What is drawn of the sheet itself: class of the path, and the outline, (k, 2) mm, y up."""
-    hide = layout.hide
-    if hide is None:
-        length, width = layout.size
-        return [("sheet", np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]]))]
-    return [
-        ("sheet", np.array(hide.outline)),
-        *(("defect", np.array(ring)) for ring in hide.defects),
-        *(("zone", np.array(ring)) for _, ring in hide.zones),
-    ]
+    lines = [("sheet", sheet_outline(layout))]
+    if layout.hide is not None:
+        lines += [("defect", np.array(ring)) for ring in layout.hide.defects]
+        lines += [("zone", np.array(ring)) for _, ring in layout.hide.zones]
+    return lines
 
 
 def write_piece(

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 from functools import cached_property
 from pathlib import Path
 from typing import Any
@@ -14,13 +14,11 @@ from numpy.typing import NDArray
 
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
-from flatnet.export.output import REPORT, REPORT_FORMAT
+from flatnet.export.output import CERTIFICATE, REPORT, REPORT_FORMAT
 from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
 from flatnet.geometry.chains import boundary_edges
 from flatnet.nesting.layout import Layout, Placement
 from flatnet.pattern.piece import Piece
-
-CERTIFICATE = "certificate.json"
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -128,10 +126,12 @@ def _sheets(records: Sequence[Mapping[str, Any]], content: PieceFile) -> list[Sh
     pieces = {(piece.name, piece.material): piece for piece in content.pieces.values()}
     sheets: list[Sheet] = []
     for record in records:
-        material = replace(content.materials[record["material"]], width=record["sheet_width_mm"])
+        material = content.materials[record["material"]]
         placements = tuple(_placement(pieces[p["patch"], material.name], p) for p in record["pieces"])
-        number = 1 + sum(sheet.layout.material.name == material.name for sheet in sheets)
-        layout = Layout(material, placements, number, record["draft"])
+        # A hide that took no piece has no record, so their numbers may have gaps.
+        if material.hides and not 1 <= record["sheet"] <= len(material.hides):
+            raise ValueError(f"{material.name} has {len(material.hides)} hides and none {record['sheet']}")
+        layout = Layout(material, placements, record["sheet"], record["draft"])
         sheets.append(Sheet(Path(record["file"]).stem, layout))
     return sheets
 

@@ -103,6 +103,12 @@ class Layout:
         return self.material.hides[self.sheet - 1] if self.material.hides else None
 
     @property
+    def name(self) -> str:
+        """Its material, and which of several sheets or hides of it this is."""
+        kind = "hide" if self.hide else "sheet"
+        return f"{self.material.name} · {kind} {self.sheet}" if self.sheet > 1 else self.material.name
+
+    @property
     def used_length(self) -> float:
         """mm of the sheet, from its start."""
         return max(float(p.place(p.piece.cut_line)[:, 0].max()) for p in self.placements)
@@ -113,7 +119,11 @@ class Layout:
         return self.hide.size if self.hide else (self.used_length, self.material.width)
 
     @property
+    def area(self) -> float:
+        """mm^2 of the material: width x used length; of a hide all of it, defects too."""
+        return self.hide.area if self.hide else self.material.width * self.used_length
+
+    @property
     def utilisation(self) -> float:
-        """Area inside the cut lines over width x used length; of a hide, over all of it, defects too."""
-        area = self.hide.area if self.hide else self.material.width * self.used_length
-        return sum(p.piece.area for p in self.placements) / area
+        """Area inside the cut lines over `area`."""
+        return sum(p.piece.area for p in self.placements) / self.area

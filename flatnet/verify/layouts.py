@@ -32,9 +32,9 @@ def check_layouts(files: WrittenFiles, build: WrittenBuild, findings: Findings) 
         for record in build.report.records("layouts"):
             with findings.guarded():
                 drawing = read_drawing(record.text("file"), files.text(record.text("file")))
-                number = 1 + sum(sheet.material_name == record.text("material") for sheet in sheets)
-                sheets.append(sheet_of(record, number, build, drawing))
+                sheets.append(sheet_of(record, build, drawing))
     findings += _check_copies(sheets, build)
+    findings += _check_numbers(sheets)
     for sheet in sheets:
         findings += _check_page(sheet.file, sheet.drawing)
         with findings.guarded():
@@ -77,6 +77,15 @@ def _check_copies(sheets: Sequence[Sheet], build: WrittenBuild) -> Iterator[Meas
             continue
         file = ", ".join(of_material.get(material, ())) or REPORT
         yield Measured("copies", file, copy, float(abs(many - asked)), 0.0, words=f"drawn {many} times, wanted {asked}")
+
+
+def _check_numbers(sheets: Sequence[Sheet]) -> Iterator[Measured]:
+    """No sheet of a material is used twice."""
+    used = Counter((sheet.material_name, sheet.number) for sheet in sheets)
+    for sheet in sheets:
+        many = used[sheet.material_name, sheet.number]
+        words = f"sheet {sheet.number} of '{sheet.material_name}' has {many} layouts"
+        yield Measured("every sheet once", REPORT, sheet.file, float(many - 1), 0.0, words=words)
 
 
 def _check_page(file: str, drawing: Drawing) -> Iterator[Measured]:

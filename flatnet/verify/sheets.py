@@ -25,7 +25,12 @@ UTILISATION = 1e-4
 
 @dataclass(frozen=True, eq=False)
 class Sheet:
-    """A layout of the report with its drawing; `number` counts the sheets of its material from 1."""
+    """A layout of the report with its drawing.
+
+    Attributes
+    ----------
+    number : which sheet or hide of its material it is, from 1; of hides that took no piece there is no layout.
+    """
 
     file: str
     number: int
@@ -58,11 +63,14 @@ class Sheet:
         return points * [1.0, -1.0] + [0.0, self.width]
 
 
-def sheet_of(record: Record, number: int, build: WrittenBuild, drawing: Drawing) -> Sheet:
+def sheet_of(record: Record, build: WrittenBuild, drawing: Drawing) -> Sheet:
     """The sheet of a layout of the report."""
     name, file = record.text("material"), record.text("file")
     if name not in build.materials:
         raise DamagedError(REPORT, f"{file}: there is no material '{name}' in {PIECES}")
+    number = record.count("sheet")
+    if number < 1:
+        raise DamagedError(REPORT, f"{file}: is sheet {number} of '{name}', and they count from 1")
     return Sheet(file, number, name, build.materials[name], record, drawing)
 
 
