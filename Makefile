@@ -12,11 +12,12 @@ test: $(READY)
 	$(BIN)/python -m pytest
 
 # Programs that aren't ours, with which tests/export/test_readers.py reads exports back (Debian and npm). Tests skip,
-# loudly, what is not there: without the right to install packages all else is tested.
+# loudly, what is not there: without the right to install packages, or a network, all else is tested.
 READERS := hp2xx inkscape librsvg2-bin poppler-utils python3-cssselect python3-lxml python3-numpy
+BRIEFLY := timeout -k 10 300
 readers:
-	-DEBIAN_FRONTEND=noninteractive sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-recommends $(READERS)' >/dev/null
-	-cd tests/export/readers && npm install --silent --no-audit --no-fund --no-package-lock
+	-DEBIAN_FRONTEND=noninteractive $(BRIEFLY) sh -c 'apt-get -qq update && apt-get -qq install -y --no-install-recommends $(READERS)' >/dev/null </dev/null
+	-cd tests/export/readers && $(BRIEFLY) npm install --silent --no-audit --no-fund --no-package-lock </dev/null
 
 lint: $(READY)
 	$(BIN)/ruff check flatnet tests projects
