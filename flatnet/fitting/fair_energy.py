@@ -37,7 +37,7 @@ Ints = NDArray[np.int64]
 #: Hinges are clipped here so that 2 tan(theta / 2) stays finite, rad.
 HINGE_CLIP = 3.0
 #: Hinges beyond `WALL`, rad, are made stiffer. Measured on the steepest wrinkles of the benchmark: without it
-#: hinges of 105 degrees remain, with it 80 at the same bending.
+#: hinges of 105 degrees remain, with it of 80.
 WALL, STIFFNESS = 1.3, 40.0
 #: Largest weight 3 l^2 / (A1 + A2) of a hinge: slivers of M^p must not rule.
 HINGE_WEIGHT_CAP = 30.0

@@ -114,7 +114,7 @@ def _finished(fits: list[RoughFit], planar_boundary: PlanarBoundary, patch: Patc
     Normals that contradict a flat sheet strain single triangles of it. Meshed anew and with more weight on lengths and
     areas the same shape keeps the triangles of its mesh; twice the weight of the normals holds it to them.
     """
-    tried = fits[:1] + fits[1:][-1:]
+    tried = [fits[0], fits[-1]] if len(fits) > 1 else [fits[0]]
     parameters = fits[0].parameters
     if parameters.remesh_rounds and fits[-1].arrived and _smallest_angle(fits[-1].mesh) < NEARLY_THIN:
         stiff = replace(

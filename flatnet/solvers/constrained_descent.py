@@ -157,12 +157,12 @@ def _tangential_step(factor: MeshFactor, gradient: Floats, jacobian: csr_matrix,
 
 
 def _tangential_and_normal_steps(problem: Problem, state: _State, limit: int, enough: float) -> None:
-    """B: one factorisation a step; leaves when c falls in full steps, E has settled or max |c| is `enough`."""
+    """B: one factorisation a step; leaves when c falls in full steps, E has settled or max |c| is below `enough`."""
     beta, reach, full_steps = BETA, TANGENT_STEP, 0
     energy = problem.energy(state.x)
     while full_steps < FULL_STEPS and state.steps < limit:
         c = problem.constraint(state.x)
-        if np.abs(c).max() <= enough:
+        if np.abs(c).max() < enough:
             return
         jacobian = problem.jacobian(state.x)
         gradient, metric = problem.gradient_and_metric(state.x)
