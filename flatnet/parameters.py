@@ -16,6 +16,10 @@ def _check(value: float, name: str, low: float, high: float) -> None:
         raise ValueError(f"{name} must be in [{low:g}, {high:g}], got {value:g}")
 
 
+#: The largest `normal_weight`, and the largest `strain_weight` and `area_weight`.
+MOST_NORMAL_WEIGHT, MOST_SHAPE_WEIGHT = 1e4, 1e3
+
+
 @dataclass(frozen=True)
 class FairParameters:
     """The default method: soft ramp, tangential and normal steps, Newton tail (docs/method.md).
@@ -44,9 +48,9 @@ class FairParameters:
     stuck_rounds: int = 2
 
     def __post_init__(self) -> None:
-        _check(self.normal_weight, "normal_weight", 0.0, 1e4)
-        _check(self.strain_weight, "strain_weight", 0.0, 1e3)
-        _check(self.area_weight, "area_weight", 0.0, 1e3)
+        _check(self.normal_weight, "normal_weight", 0.0, MOST_NORMAL_WEIGHT)
+        _check(self.strain_weight, "strain_weight", 0.0, MOST_SHAPE_WEIGHT)
+        _check(self.area_weight, "area_weight", 0.0, MOST_SHAPE_WEIGHT)
         _check(self.ramp_steps, "ramp_steps", 1, 1000)
         _check(self.ramp_start, "ramp_start", 1e-6, 1e6)
         _check(self.ramp_end, "ramp_end", self.ramp_start, 1e9)

@@ -21,7 +21,7 @@ from flatnet.fitting.unfold import unfold
 from flatnet.fitting.warp import warp
 from flatnet.geometry.triangles import corner_angles, vertex_sums
 from flatnet.network.patch import Patch
-from flatnet.parameters import FairParameters
+from flatnet.parameters import MOST_NORMAL_WEIGHT, MOST_SHAPE_WEIGHT, FairParameters
 from flatnet.solvers.constrained_descent import CONVERGED
 
 #: A mesh whose edges have left those of M^p by more than this (root mean square) is meshed anew.
@@ -119,9 +119,9 @@ def _finished(fits: list[RoughFit], planar_boundary: PlanarBoundary, patch: Patc
     if parameters.remesh_rounds and fits[-1].arrived and _smallest_angle(fits[-1].mesh) < NEARLY_THIN:
         stiff = replace(
             parameters,
-            strain_weight=min(STIFF_STRAIN * parameters.strain_weight, 1e3),
-            area_weight=min(STIFF_AREA * parameters.area_weight, 1e3),
-            normal_weight=min(STIFF_NORMALS * parameters.normal_weight, 1e4),
+            strain_weight=min(STIFF_STRAIN * parameters.strain_weight, MOST_SHAPE_WEIGHT),
+            area_weight=min(STIFF_AREA * parameters.area_weight, MOST_SHAPE_WEIGHT),
+            normal_weight=min(STIFF_NORMALS * parameters.normal_weight, MOST_NORMAL_WEIGHT),
         )
         again = _on_fresh_mesh(fits[-1], patch.edge_length, planar_boundary, patch, stiff)
         if again is not None and _smallest_angle(again.mesh) > _smallest_angle(fits[-1].mesh):

@@ -84,6 +84,11 @@ class Drawing:
     lines: dict[str, list[DrawnLine]]
     pieces: list[DrawnPiece] = field(default_factory=list)
 
+    @property
+    def off_scale(self) -> float:
+        """How far the page is from one unit of the drawing for each mm, from its upper left corner on; mm."""
+        return float(np.abs(self.size - self.view_box[2:]).max() + np.abs(self.view_box[:2]).max())
+
 
 def read_drawing(file: str, text: str) -> Drawing:
     """Read an SVG of a build.

@@ -90,8 +90,8 @@ def _check_numbers(sheets: Sequence[Sheet]) -> Iterator[Measured]:
 
 def _check_page(file: str, drawing: Drawing) -> Iterator[Measured]:
     """One unit of the drawing is 1 mm."""
-    off = float(np.abs(drawing.size - drawing.view_box[2:]).max() + np.abs(drawing.view_box[:2]).max())
-    yield Measured("one unit is 1 mm", file, "", off, 0.0, "mm", "width and height are not those of the viewBox")
+    words = "width and height are not those of the viewBox"
+    yield Measured("one unit is 1 mm", file, "", drawing.off_scale, 0.0, "mm", words)
     squares = drawing.lines.get("test-square", [])
     sizes = [float(np.abs(np.ptp(square.points, axis=0) - TEST_SQUARE).max()) for square in squares]
     off = max(sizes, default=np.nan)

@@ -86,8 +86,8 @@ def _sheet_of(file: str, build: WrittenBuild) -> Record:
 
 def _svg(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
     drawing = read_drawing(file, files.text(file))
-    off = float(np.abs(drawing.size - drawing.view_box[2:]).max() + np.abs(drawing.view_box[:2]).max())
-    yield Measured("SVG: one unit is 1 mm", file, "", off, 0.0, "mm", "width and height are not those of the viewBox")
+    words = "width and height are not those of the viewBox"
+    yield Measured("SVG: one unit is 1 mm", file, "", drawing.off_scale, 0.0, "mm", words)
     drawn: dict[str, list[Floats]] = {"sew": [], "cut": []}
     for piece in drawing.pieces:
         for kind, lines in drawn.items():
