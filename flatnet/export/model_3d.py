@@ -11,6 +11,7 @@ import trimesh
 from numpy.typing import NDArray
 
 from flatnet.export.missing_library import needs
+from flatnet.export.obj import obj_lines
 from flatnet.export.written_build import FittedMesh, WrittenBuild
 from flatnet.geometry.chains import boundary_edges
 from flatnet.geometry.triangles import angle_defects, vertex_normals
@@ -31,10 +32,7 @@ def write_model_obj(path: Path, build: WrittenBuild) -> None:
     lines = ["# mm; vt: flat coordinates in mm, of each object in its piece's frame"]
     first = 1
     for mesh in build.meshes:
-        lines.append(f"o {mesh.patch}")
-        lines += [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in mesh.vertices.tolist()]
-        lines += [f"vt {x:.17g} {y:.17g}" for x, y in mesh.flat.tolist()]
-        lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (mesh.triangles + first).tolist()]
+        lines += [f"o {mesh.patch}", *obj_lines(mesh.vertices, mesh.triangles, mesh.flat, first)]
         first += len(mesh.vertices)
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
 

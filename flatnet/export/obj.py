@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -20,11 +21,15 @@ def write_obj(path: Path, vertices: Floats, triangles: Ints, flat: Floats) -> No
     triangles : (t, 3) int.
     flat : (m, 2) float, mm; one for each vertex.
     """
-    lines = ["# mm; vt: flat coordinates in mm"]
-    lines += [f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices.tolist()]
-    lines += [f"vt {x:.17g} {y:.17g}" for x, y in flat.tolist()]
-    lines += [f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (triangles + 1).tolist()]
+    lines = ["# mm; vt: flat coordinates in mm", *obj_lines(vertices, triangles, flat)]
     path.write_text("\n".join(lines) + "\n", encoding="ascii")
+
+
+def obj_lines(vertices: Floats, triangles: Ints, flat: Floats, first: int = 1) -> Iterator[str]:
+    """The lines of one mesh, as `write_obj` has them; `first` is the number of its first vertex in the file."""
+    yield from (f"v {x:.17g} {y:.17g} {z:.17g}" for x, y, z in vertices.tolist())
+    yield from (f"vt {x:.17g} {y:.17g}" for x, y in flat.tolist())
+    yield from (f"f {a}/{a} {b}/{b} {c}/{c}" for a, b, c in (triangles + first).tolist())
 
 
 def read_obj(path: Path) -> tuple[Floats, Ints, Floats]:

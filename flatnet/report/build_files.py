@@ -15,6 +15,7 @@ from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
 from flatnet.export.output import HEIGHTS, REPORT, REPORT_FORMAT
 from flatnet.fitting.results import Floats, Ints, SurfaceMesh
+from flatnet.geometry.chains import boundary_edges
 
 NETWORK = "network.json"
 
@@ -106,9 +107,7 @@ def _patch(folder: Path, name: str, file: str, heights: list[float] | None) -> B
 
 def _boundary_count(triangles: Ints) -> int:
     """How many vertices lie on edges of one triangle only: n, as the boundary's vertices stand first."""
-    edges = np.sort(np.stack([triangles, np.roll(triangles, -1, axis=1)], axis=-1).reshape(-1, 2), axis=1)
-    edges, count = np.unique(edges, axis=0, return_counts=True)
-    return len(np.unique(edges[count == 1]))
+    return len(np.unique(boundary_edges(triangles)))
 
 
 def _object(path: Path) -> dict[str, Any]:
