@@ -30,6 +30,15 @@ def test_a_raised_apex_comes_down_into_the_plane():
     assert abs(result.x.reshape(-1, 3)[6, 2]) < 1e-4
 
 
+def test_a_flat_mesh_is_made_fair_though_nothing_is_left_to_flatten():
+    problem, x = pyramid(np.zeros(6), [0.3, 0.0, 0.0])
+    assert problem.constraint(x) == 0.0
+    result = solve(problem, x, ramp=np.empty(0), tolerance=1e-9, max_steps=200)
+    assert result.status == CONVERGED
+    # By symmetry E is least in the middle; phase B ends where E has settled, to the second power of what is left.
+    assert np.abs(result.x.reshape(-1, 3)[6]).max() < 1e-3
+
+
 def test_a_bent_rim_is_met_exactly():
     problem, x = pyramid(0.2 * np.array([0, 1, 1, 0, -1, -1.0]), [0.0, 0.0, 0.1])
     result = solve(problem, x, ramp=np.geomspace(0.1, 100, 8), tolerance=1e-9, max_steps=200)
