@@ -32,7 +32,7 @@ def test_a_raised_apex_comes_down_into_the_plane():
 
 def test_a_flat_mesh_is_made_fair_though_nothing_is_left_to_flatten():
     problem, x = pyramid(np.zeros(6), [0.3, 0.0, 0.0])
-    assert problem.constraint(x) == 0.0
+    assert np.abs(problem.constraint(x)).max() < 1e-15
     result = solve(problem, x, ramp=np.empty(0), tolerance=1e-9, max_steps=200)
     assert result.status == CONVERGED
     # By symmetry E is least in the middle; phase B ends where E has settled, to the second power of what is left.
