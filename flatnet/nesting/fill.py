@@ -39,6 +39,8 @@ def fill(
 
     Copies that are alike and those of the same piece that came before found no room where one of them did not.
     """
+    if region.area == 0.0:  # no such zone on this hide, or nothing but a defect
+        return []
     grid = _Grid(region, material.gap)
     for placement in placed:
         grid.take(placement)

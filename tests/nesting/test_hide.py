@@ -12,7 +12,7 @@ from flatnet.nesting import Layout, Placement, check_layouts, nest, read_stored,
 from flatnet.nesting.check import TOLERANCE
 from flatnet.nesting.fill import fill
 from flatnet.nesting.frame import SIMPLIFIED, _frame
-from flatnet.nesting.hide import lay_on_hide
+from flatnet.nesting.hide import lay_on_hide, nest_on_hide
 from flatnet.nesting.layout import copies_of
 from flatnet.parameters import NestingParameters
 from flatnet.project.hides import Hide
@@ -188,6 +188,20 @@ def test_the_last_resort_is_valid_and_always_the_same():
     first, second = (lay_on_hide(copies_of(pieces), HIDE, material) for _ in range(2))
     assert check_layouts([Layout(material, tuple(first))], pieces) == []
     assert [p.as_dict() for p in first] == [p.as_dict() for p in second]
+
+
+@pytest.mark.parametrize(
+    "hide",
+    [
+        pytest.param(Hide(rectangle(0, 0, 500, 400)), id="without the zone"),
+        pytest.param(Hide(rectangle(0, 0, 500, 400), (rectangle(-1, -1, 501, 401),)), id="one defect"),
+        pytest.param(Hide(rectangle(0, 0, 500, 400), (), (("A", rectangle(-9, -9, 0, 0)),)), id="zone at a corner"),
+    ],
+)
+def test_where_a_hide_has_no_place_nothing_is_laid(hide):
+    material = leather(hide)
+    copies = copies_of([replace(piece(SQUARE, material, cut=2), zone="A")])
+    assert lay_on_hide(copies, hide, material) == nest_on_hide(copies, hide, material, QUICK) == []
 
 
 def test_what_has_room_finds_it():
