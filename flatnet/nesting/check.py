@@ -9,7 +9,7 @@ import numpy as np
 import shapely
 from shapely import Polygon
 
-from flatnet.nesting.layout import Copy, Layout, Placement, copies_of
+from flatnet.nesting.layout import Copy, Layout, Placement, copies_of, turned_by
 from flatnet.pattern.piece import Piece
 from flatnet.project.hides import Hide
 
@@ -61,9 +61,7 @@ def _rotation(placement: Placement, layout: Layout) -> Iterator[str]:
     allowed = layout.material.rotations
     if allowed is None:
         return
-    # The distance on the circle: 359.999... and 0 are neighbours.
-    away = [abs((placement.rotation_deg - angle + 180.0) % 360.0 - 180.0) for angle in allowed]
-    if min(away) > ROTATION_TOLERANCE:
+    if min(turned_by(placement.rotation_deg, angle) for angle in allowed) > ROTATION_TOLERANCE:
         yield f"{placement}: rotated by {placement.rotation_deg:g} degrees, allowed are {allowed}"
 
 
@@ -73,7 +71,7 @@ def _match(layouts: Sequence[Layout]) -> Iterator[str]:
         if not placement.piece.match:
             continue
         other = first.setdefault(placement.piece.name, placement)
-        away = abs((placement.rotation_deg - other.rotation_deg + 180.0) % 360.0 - 180.0)
+        away = turned_by(placement.rotation_deg, other.rotation_deg)
         if away > ROTATION_TOLERANCE:
             yield f"{placement}: turned by {away:g} degrees against {other}, and they are to match"
 

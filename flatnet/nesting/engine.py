@@ -16,7 +16,7 @@ import shapely
 from numpy.typing import NDArray
 from shapely import Polygon
 
-from flatnet.nesting.layout import Copy, Placement, turn
+from flatnet.nesting.layout import Copy, Placement, turn, turned_by
 from flatnet.parameters import NestingParameters
 
 Floats = NDArray[np.float64]
@@ -73,7 +73,7 @@ class Item:
     def rebuilt(self, copy: Copy, rotation: float, place: Floats) -> Placement:
         """The engine's placement of one of its copies in double precision: the nearest of the rotations offered."""
         if self.rotations is not None:
-            rotation = min(self.rotations, key=lambda angle: abs((rotation - angle + 180.0) % 360.0 - 180.0))
+            rotation = min(self.rotations, key=lambda angle: turned_by(rotation, angle))
         x, y = (place - turn(rotation, False) @ self.centre).tolist()
         return Placement(copy.piece, copy.number, copy.mirrored, rotation % 360.0, x, y)
 

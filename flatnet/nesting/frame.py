@@ -8,7 +8,7 @@ as the engine makes the strip as short as it can, it brings as many as it can in
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from typing import TypeAlias
 
 import numpy as np
@@ -18,7 +18,7 @@ from shapely import LineString, MultiPolygon, Point, Polygon
 from flatnet.nesting.check import TOLERANCE
 from flatnet.nesting.engine import EXACT_FIT, Item, Placed, Strip, run_engine, separation_for
 from flatnet.nesting.layout import Copy, Placement
-from flatnet.nesting.roll import kinds_of
+from flatnet.nesting.roll import Denser, kinds_of
 from flatnet.parameters import NestingParameters
 from flatnet.project.model import Material
 
@@ -39,13 +39,13 @@ def nest_in_region(
     region: Region,
     material: Material,
     parameters: NestingParameters,
-    denser: Callable[[float], None] = lambda _: None,
+    denser: Denser = lambda _: None,
 ) -> list[Placement]:
     """Those of the copies that the engine gets inside the region in its time; they may be any number of them.
 
     Parameters
     ----------
-    copies : sets before further sets: what is too much for the region is not looked at.
+    copies : of these, sets are offered before further sets; what is too much for the region is not looked at.
     denser : called with the part of the region's area that is covered, whenever a shorter strip is found.
 
     Raises
@@ -91,13 +91,18 @@ def _offered(copies: Sequence[Copy], region: Region) -> list[Copy]:
     """As many as may fit, those of a kind together."""
     room = OFFERED * region.area
     chosen = []
-    for copy in copies:
+    for copy in _in_sets(copies):
         room -= copy.piece.area
         if room < 0.0:
             break
         chosen.append(copy)
     names = list(dict.fromkeys(copy.piece.name for copy in chosen))
     return sorted(chosen, key=lambda copy: (names.index(copy.piece.name), copy.mirrored, copy.number))
+
+
+def _in_sets(copies: Sequence[Copy]) -> list[Copy]:
+    """First the first copies of all pieces, then the second ones ...; a mirrored copy goes with its plain one."""
+    return sorted(copies, key=lambda copy: copy.number - (copy.piece.cut if copy.mirrored else 0))
 
 
 def _frame(region: Region, separation: float) -> Polygon:

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
 import shapely
 
 from flatnet.nesting.fill import fill
 from flatnet.nesting.frame import Region, nest_in_region
-from flatnet.nesting.layout import Copy, Placement
+from flatnet.nesting.layout import Copy, Placement, left_over
+from flatnet.nesting.roll import Denser
 from flatnet.parameters import NestingParameters
 from flatnet.project.hides import Hide
 from flatnet.project.model import Material
@@ -26,7 +26,7 @@ def nest_on_hide(
     hide: Hide,
     material: Material,
     parameters: NestingParameters,
-    denser: Callable[[float], None] = lambda _: None,
+    denser: Denser = lambda _: None,
 ) -> list[Placement]:
     """Those of the copies that go on a hide, by what the engine finds in its time.
 
@@ -61,7 +61,7 @@ def _compact(
     placed: Sequence[Placement],
     material: Material,
     parameters: NestingParameters,
-    denser: Callable[[float], None],
+    denser: Denser,
 ) -> list[Placement]:
     """All copies on a part of the region from its start, where they are few; else what all of it takes."""
     area = sum(copy.piece.area for copy in copies)
@@ -95,7 +95,7 @@ def _filled(
     placed: Sequence[Placement],
     material: Material,
     parameters: NestingParameters,
-    denser: Callable[[float], None],
+    denser: Denser,
 ) -> list[Placement]:
     """Those that the engine gets into the region beside what is placed, and those that then still find room."""
     if not copies or region.is_empty:
@@ -107,13 +107,5 @@ def _filled(
         taken = shapely.union_all(bodies).buffer(2.0 * material.gap + 1.0).buffer(-material.gap - 1.0)
         free = region.difference(taken)
     largest = max(shapely.get_parts(free), key=lambda part: part.area)
-    found = nest_in_region(in_sets(copies), largest, material, parameters, denser)
-    done = {(p.piece.name, p.copy) for p in found}
-    rest = [copy for copy in copies if (copy.piece.name, copy.number) not in done]
-    return found + fill(rest, region, [*placed, *found], material)
-
-
-def in_sets(copies: Sequence[Copy]) -> list[Copy]:
-    """First the first copies of all pieces, then the second ones ...; a mirrored copy goes with its plain one."""
-    numbers = np.array([copy.number - (copy.piece.cut if copy.mirrored else 0) for copy in copies])
-    return [copies[i] for i in np.argsort(numbers, kind="stable")]
+    found = nest_in_region(copies, largest, material, parameters, denser)
+    return found + fill(left_over(copies, found), region, [*placed, *found], material)

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -44,6 +44,11 @@ def turn(rotation_deg: float, mirrored: bool) -> Floats:
     return np.array([[c, -s], [s, c]]) @ np.diag([1.0, -1.0 if mirrored else 1.0])
 
 
+def turned_by(first: float, second: float) -> float:
+    """Degrees between two rotations, 0 to 180: 359.9 and 0 are neighbours."""
+    return abs((first - second + 180.0) % 360.0 - 180.0)
+
+
 @dataclass(frozen=True, eq=False)
 class Placement:
     """A copy on the sheet: a point p of the piece lies at R(rotation) M p + (x, y), M mirroring y or nothing.
@@ -76,6 +81,12 @@ class Placement:
 
     def __str__(self) -> str:
         return str(Copy(self.piece, self.copy, self.mirrored))
+
+
+def left_over(copies: Sequence[Copy], placements: Iterable[Placement]) -> list[Copy]:
+    """Those of the copies that are not among the placements."""
+    placed = {(placement.piece.name, placement.copy) for placement in placements}
+    return [copy for copy in copies if (copy.piece.name, copy.number) not in placed]
 
 
 @dataclass(frozen=True, eq=False)

@@ -12,7 +12,7 @@ from flatnet.failure import Finding
 from flatnet.nesting.check import check_layouts
 from flatnet.nesting.engine import EngineError
 from flatnet.nesting.hide import lay_on_hide, nest_on_hide
-from flatnet.nesting.layout import Copy, Layout, Placement, copies_of
+from flatnet.nesting.layout import Copy, Layout, Placement, copies_of, left_over
 from flatnet.nesting.orientation import too_large
 from flatnet.nesting.rectangle import nest_on_rectangle, within_length
 from flatnet.nesting.rows import lay_in_rows
@@ -137,8 +137,7 @@ def _on_sheets(copies: Sequence[Copy], material: Material, lay_sheet: LaySheet) 
 
 def _left(copies: Sequence[Copy], layouts: Sequence[Layout]) -> list[Copy]:
     """Those that lie on no sheet."""
-    placed = {(p.piece.name, p.copy) for layout in layouts for p in layout.placements}
-    return [copy for copy in copies if (copy.piece.name, copy.number) not in placed]
+    return left_over(copies, [placement for layout in layouts for placement in layout.placements])
 
 
 def _out_of_material(left: Sequence[Copy], material: Material) -> list[Finding]:

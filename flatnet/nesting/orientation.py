@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from flatnet.failure import Finding
 from flatnet.nesting.check import TOLERANCE
-from flatnet.nesting.layout import turn
+from flatnet.nesting.layout import turn, turned_by
 from flatnet.pattern.piece import Piece
 from flatnet.project.model import Material
 
@@ -72,7 +72,7 @@ def _off_the_grain(piece: Piece, mirrored: bool, material: Material) -> str:
     fitting = _fitting(piece, mirrored, material, candidate_rotations(piece, mirrored, free))
     if material.rotations is None or not len(fitting):
         return ""
-    away = np.abs((fitting[:, None] - np.array(material.rotations) + 180.0) % 360.0 - 180.0).min(axis=1)
+    away = [min(turned_by(angle, allowed) for allowed in material.rotations) for angle in fitting.tolist()]
     return f"Turned by {fitting[np.argmin(np.round(away, 6))]:.4g} degrees against its grain it would fit. "
 
 

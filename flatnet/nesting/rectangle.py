@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 
 import shapely
 
 from flatnet.nesting.check import TOLERANCE
 from flatnet.nesting.fill import fill
 from flatnet.nesting.frame import nest_in_region
-from flatnet.nesting.hide import in_sets
-from flatnet.nesting.layout import Copy, Placement
-from flatnet.nesting.roll import nest_on_roll
+from flatnet.nesting.layout import Copy, Placement, left_over
+from flatnet.nesting.roll import Denser, nest_on_roll
 from flatnet.parameters import NestingParameters
 from flatnet.project.model import Material
 
@@ -20,7 +19,7 @@ def nest_on_rectangle(
     copies: Sequence[Copy],
     material: Material,
     parameters: NestingParameters,
-    denser: Callable[[float], None] = lambda _: None,
+    denser: Denser = lambda _: None,
 ) -> list[Placement]:
     """On as little of its length as the engine finds; of a sheet, as much as it gets inside where all is too much.
 
@@ -37,7 +36,7 @@ def nest_on_rectangle(
         on_one = within_length(nest_on_roll(copies, material, parameters, denser), material)
         if len(on_one) == len(copies):
             return on_one
-    filled = nest_in_region(in_sets(copies), sheet, material, parameters, denser)
+    filled = nest_in_region(copies, sheet, material, parameters, denser)
     return max(
         (_with_more(copies, found, sheet, material) for found in (on_one, filled)),
         key=lambda found: sum(placement.piece.area for placement in found),
@@ -53,6 +52,4 @@ def within_length(placements: Sequence[Placement], material: Material) -> list[P
 def _with_more(
     copies: Sequence[Copy], found: list[Placement], sheet: shapely.Polygon, material: Material
 ) -> list[Placement]:
-    done = {(p.piece.name, p.copy) for p in found}
-    rest = [copy for copy in copies if (copy.piece.name, copy.number) not in done]
-    return found + fill(rest, sheet, found, material)
+    return found + fill(left_over(copies, found), sheet, found, material)
