@@ -283,6 +283,9 @@ def _torso_messages(body: Body) -> list[str]:
             f"bust must be in [{low:.0f}, {high:.0f}] mm over ribs with under_bust {body.under_bust:g} and "
             f"high_bust {body.high_bust:g} mm, got {body.bust:g} mm"
         )
+    widest_span = 1.9 * sections(body)["bust"].a
+    if body.bust_span > widest_span:
+        messages.append(f"bust_span must be at most {widest_span:.0f} mm on these ribs, got {body.bust_span:g} mm")
     _, _, a, b = profile(body, np.array([body.ways["across"]]))
     widest = 0.95 * _perimeter(float(a[0]), float(b[0])) / 2.0
     messages += [

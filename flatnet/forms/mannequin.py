@@ -14,6 +14,7 @@ from flatnet.forms.body import BODY_RINGS, LEG_RINGS, TORSO_RINGS, Body, rows_of
 from flatnet.forms.measurements import MeasurementError, read_measurements
 from flatnet.forms.surface import Line, ReferenceSurface, tidy_mesh
 from flatnet.geometry.chains import boundary_edges, chains
+from flatnet.geometry.polygon import arclengths
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int64]
@@ -187,8 +188,7 @@ def _marks(
 
 def _along(points: Floats, way: float) -> Floats:
     """The point of a polyline this far along it."""
-    ways = np.concatenate([[0.0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])
-    return np.array([np.interp(way, ways, points[:, axis]) for axis in range(3)])
+    return np.array([np.interp(way, arclengths(points), points[:, axis]) for axis in range(3)])
 
 
 def _at_breadth(ring: Floats, breadth: float) -> Floats:

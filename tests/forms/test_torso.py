@@ -145,6 +145,7 @@ def test_the_legs_are_those_of_the_body_without_a_torso():
         ({"top": "neck", "neck": 1000.0}, "neck must be at most 0.6 times high_bust"),
         ({"top": "neck", "shoulder": 300.0}, "shoulder must be at most 0.45 times back_length"),
         ({"top": "neck", "back_width": 600.0}, "back_width must be at most"),
+        ({"top": "neck", "bust_span": 310.0}, "bust_span must be at most 286 mm on these ribs"),
     ],
 )
 def test_impossible_measurements(measurements, message):
