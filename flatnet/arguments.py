@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import argparse
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import TypeAlias
 
@@ -50,10 +50,11 @@ def _nest(commands: Commands) -> None:
     command.add_argument("sources", type=Path, nargs="+", metavar="SOURCE", help=text)
     command.add_argument("-o", "--out", type=Path, default=Path("layout"), help="output folder (default: layout)")
     text = f"time of the engine for each sheet (default: {NestingParameters.seconds})"
-    command.add_argument("--seconds", type=_seconds, default=NestingParameters.seconds, metavar="N", help=text)
+    command.add_argument("--seconds", type=_whole(1, 3600), default=NestingParameters.seconds, metavar="N", help=text)
     text = "lay on these: a file with `materials` as a project file has them, in place of those of the same name"
     command.add_argument("--materials", type=Path, metavar="FILE.yaml", help=text)
-    command.add_argument("--seed", type=int, default=NestingParameters.seed, metavar="N", help="of the engine")
+    seed = _whole(0, 2**31 - 1)
+    command.add_argument("--seed", type=seed, default=NestingParameters.seed, metavar="N", help="of the engine")
     _add_nesting(command)
 
 
@@ -118,7 +119,7 @@ def _add_folder(command: argparse.ArgumentParser) -> None:
 
 def _add_workers(command: argparse.ArgumentParser) -> None:
     most = "patches fitted at once (default: one for each core)"
-    command.add_argument("--workers", type=_positive, metavar="N", help=most)
+    command.add_argument("--workers", type=_whole(1), metavar="N", help=most)
 
 
 def _add_nesting(command: argparse.ArgumentParser) -> None:
@@ -132,16 +133,14 @@ def _add_unit_and_axis(command: argparse.ArgumentParser) -> None:
     command.add_argument("--up", default="", choices=("x", "y", "z"), help="the file's up axis (default: z)")
 
 
-def _seconds(text: str) -> int:
-    if not text.isdecimal() or not 1 <= int(text) <= 3600:
-        raise argparse.ArgumentTypeError(f"expected whole seconds from 1 to 3600, got {text!r}")
-    return int(text)
+def _whole(least: int, most: int | None = None) -> Callable[[str], int]:
+    def parser(text: str) -> int:
+        if not text.isdecimal() or int(text) < least or (most is not None and int(text) > most):
+            upwards = "" if most is None else f" to {most}"
+            raise argparse.ArgumentTypeError(f"expected a whole number from {least}{upwards}, got {text!r}")
+        return int(text)
 
-
-def _positive(text: str) -> int:
-    if not text.isdecimal() or int(text) < 1:
-        raise argparse.ArgumentTypeError(f"expected a number from 1, got {text!r}")
-    return int(text)
+    return parser
 
 
 def _formats(text: str) -> list[str]:

@@ -119,7 +119,7 @@ def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str,
             if known != build.materials[name]:
                 raise LayError(
                     f"{source}: its material '{name}' is another than that of the folders before it; pieces are laid "
-                    "together where width, length, rotations, gap and allowance are the same"
+                    "together where all that is said of it is the same"
                 )
     unknown = [name for name in others if name not in materials]
     if unknown:

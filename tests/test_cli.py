@@ -62,7 +62,7 @@ def test_how_many_workers_is_a_number_from_1(square, capsys):
         with pytest.raises(SystemExit) as ended:
             main(["build", str(square), "--workers", text])
         assert ended.value.code == 2
-        assert "--workers: expected a number from 1" in capsys.readouterr().err
+        assert "--workers: expected a whole number from 1" in capsys.readouterr().err
 
 
 def test_check_fits_and_writes_nothing(square, tmp_path, capsys):
