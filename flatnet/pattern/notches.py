@@ -24,6 +24,8 @@ MOST_MARKS = 3
 CODED = 4
 #: The last notch of a row stays this part of a step away from the seam's end.
 REST = 0.25
+#: Lengths of stretches sum up to that of their curve but for this part.
+ROUNDING = 1e-9
 #: Distance of marks side by side, and width of a mark that has one, mm.
 MARK_PITCH, MARK_WIDTH = 4.0, 4.0
 
@@ -114,8 +116,10 @@ def place_notches(spec: NotchSpec, stretch: SampledStretch, start: float, total:
     """
     along = arclengths(stretch.vertices)
     length = float(along[-1])
+    is_last = total - start - length < ROUNDING * total  # it has what is said at its end
+    end = np.inf if is_last else start + length
     said = [*spec.at, *(part * total for part in spec.at_parts)]
-    places = {place - start for place in said if start <= place < start + length}
+    places = {min(place - start, length) for place in said if start <= place < end}
     if spec.every is not None:
         places.update(np.arange(spec.every, length - REST * spec.every, spec.every).tolist())
     found = []

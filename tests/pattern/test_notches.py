@@ -43,6 +43,13 @@ def test_places_are_counted_along_the_whole_curve():
     assert places(spec, straight(200), 100.0, 300.0) == pytest.approx([50])  # 150 mm is the half: one notch
 
 
+def test_a_place_at_the_end_of_a_curve_is_on_it():
+    spec = NotchSpec(at=(0.0,), at_parts=(1.0,))
+    assert places(spec, straight(100)) == pytest.approx([0, 100])
+    assert places(spec, straight(100), 0.0, 300.0) == [0]
+    assert places(spec, straight(200), 100.0, 300.0) == pytest.approx([200])
+
+
 def notched(length, *arclengths, fixed=False):
     return NotchedSeam(length, tuple(SeamNotch(0, 0.0, place) for place in arclengths), fixed)
 
