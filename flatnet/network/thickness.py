@@ -14,6 +14,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.geometry.polygon import polyline_length
 from flatnet.geometry.triangles import dot, unit
 from flatnet.network.graph import Dart
 from flatnet.network.mirror import mirror_network
@@ -126,7 +127,7 @@ def _too_thick(project: Project, before: SampledStretch, after: SampledStretch) 
     turned = np.flatnonzero(dot(np.diff(before.vertices, axis=0), np.diff(after.vertices, axis=0)) <= 0.0)
     if not len(turned):
         return None
-    at = float(np.linalg.norm(np.diff(before.vertices[: turned[0] + 1], axis=0), axis=1).sum())
+    at = polyline_length(before.vertices[: turned[0] + 1])
     return Problem(
         project.curves[before.curve].mark,
         f"curve '{before.curve}': at {at:.1f} mm it is hollow with a radius below half the `thickness` of the "

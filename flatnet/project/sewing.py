@@ -216,10 +216,13 @@ def sewn_problems(curves: Mapping[str, CurveSpec]) -> list[Problem]:
     notched_by: dict[str, str] = {}
     for curve in curves.values():
         sewn = curve.seam.sewn_to
+        met: set[str] = set()
         for name, _ in sewn.curves if sewn else ():
             other = curves.get(name)
             message = None
-            if other is None:
+            if name in met:
+                message = f"{name!r} is met twice; name each curve once"
+            elif other is None:
                 message = f"there is no curve {name!r}; {nearest(name, curves, 'curves')}"
             elif other is curve:
                 message = "both sides of a curve are sewn to each other without a word; name another curve"
@@ -229,6 +232,7 @@ def sewn_problems(curves: Mapping[str, CurveSpec]) -> list[Problem]:
                 message = f"{name!r} has notches too; give them to one of both, they are carried to the other"
             elif curve.seam.notches and notched_by.setdefault(name, curve.name) != curve.name:
                 message = f"{name!r} has the notches of {notched_by[name]!r} already; give {name!r} its own instead"
+            met.add(name)
             if message and sewn:
                 problems.append(Problem(sewn.mark, f"curve {curve.name!r}: sewn_to: {message}"))
     return problems

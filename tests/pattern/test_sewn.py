@@ -105,6 +105,7 @@ def test_what_can_not_be_sewn_is_a_problem_of_the_project(tmp_path):
     cases = [
         ({"cap": {"sewn_to": "bakc"}}, "there is no curve 'bakc'; did you mean 'back'?"),
         ({"cap": {"sewn_to": "cap"}}, "name another curve"),
+        ({"cap": {"sewn_to": ["back", "-back"]}}, "'back' is met twice"),
         ({"cap": {"sewn_to": "back"}, "back": {"sewn_to": "cap"}}, "say it of one of both"),
         ({"cap": {"sewn_to": "back", "notches": 9}, "back": {"notches": 9}}, "'back' has notches too"),
         ({"cap": {"sewn_to": "back", "notches": 9}, "front": {"sewn_to": "back", "notches": 9}}, "notches of 'cap'"),
