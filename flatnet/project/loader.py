@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Literal, cast
 
@@ -18,6 +19,7 @@ from flatnet.project.mirror import curve_image, image_problems, node_image, patc
 from flatnet.project.model import PLAIN_NUMBERS, FormSurface, Material, MeshSurface, Project
 from flatnet.project.nodes import cut_at_fractions, read_nodes
 from flatnet.project.parameters import parameter_names, read_fitting, read_parameters
+from flatnet.project.patch_specs import PatchSpec
 from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.section import Section
 from flatnet.project.sewing import notch_problems, sewn_problems
@@ -168,10 +170,7 @@ def _project(file: Path, top: Section) -> Project:
         mirror,
         lambda spec, plane: patch_image(spec, plane, curves_across, across),
     )
-    for patch in patches.values() if materials_are_good else ():
-        if patch.zone and not any(own == patch.zone for h in materials[patch.material].hides for own, _ in h.zones):
-            message = f"patch {patch.name!r}: no hide of material {patch.material!r} has a zone {patch.zone!r}"
-            top.problem(patch.mark, message)
+    top.problems += _zone_problems(patches, materials) if materials_are_good else []
     openings = read_openings(top.section("openings", None), curves, joins_crossings)
     rest_is_open = top.get("rest", one_of("openings"), "") == "openings"
     if rest_is_open and not patches:
@@ -199,6 +198,17 @@ def _project(file: Path, top: Section) -> Project:
         strokes=_strokes(top.section("strokes", STROKES)),
         exports=_exports(top),
     )
+
+
+def _zone_problems(patches: Mapping[str, PatchSpec], materials: Mapping[str, Material]) -> list[Problem]:
+    """Patches that ask for a zone which no hide of their material has."""
+    problems = []
+    for patch in patches.values():
+        material = materials.get(patch.material)  # one that there is not is named already
+        if patch.zone and material and not any(patch.zone in dict(hide.zones) for hide in material.hides):
+            message = f"patch {patch.name!r}: no hide of material {patch.material!r} has a zone {patch.zone!r}"
+            problems.append(Problem(patch.mark, message))
+    return problems
 
 
 def _strokes(section: Section) -> dict[str, str]:

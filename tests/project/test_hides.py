@@ -91,3 +91,9 @@ def test_width_and_hides_exclude_each_other(tmp_path: Path) -> None:
     text = SQUARE.replace("HIDES", POINTS).replace("gap: 0.1", "width: 9")
     (problem,) = problems_of(tmp_path, text)
     assert "'hides' and 'width' exclude each other" in problem.message
+
+
+def test_a_zone_on_a_material_that_is_not_there_is_one_problem(tmp_path: Path) -> None:
+    text = SQUARE.replace("HIDES", POINTS).replace("zone: A", "zone: A, material: felt")
+    (problem,) = problems_of(tmp_path, text)
+    assert "felt" in problem.message
