@@ -47,7 +47,12 @@ BOW_TIE = [[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]
     [
         ("{", "can't be read"),
         ("[]", "no strip packing problem"),
-        (json.dumps(problem(strip_height=0)), "must be larger than 0"),
+        (json.dumps(problem(strip_height=0)), "'strip_height' must be in"),
+        (json.dumps(problem(items=[])), "no items"),
+        (json.dumps(problem(items=2 * problem()["items"])), "two of its items have one 'id'"),
+        (json.dumps(problem()).replace("180.0", "Infinity"), "must be finite"),
+        (json.dumps(problem()).replace(": 3", ": Infinity"), "can't be read"),
+        (json.dumps(problem()).replace(": 3", ": -3"), "item_7: 'demand' must be in"),
         (json.dumps({"name": "x", "strip_height": 1}), "KeyError: 'items'"),
         (json.dumps(problem()).replace("simple_polygon", "disk"), "expected a 'simple_polygon', got 'disk'"),
         (json.dumps(problem()).replace("[0.0, 0.0]", "[0.0, NaN]"), "item_7: its outline is not a list"),

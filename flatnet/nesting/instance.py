@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 #: The instances say no unit; theirs is taken as the power of ten mm that makes the strip at least this wide, mm, so
 #: that tolerances, which are lengths of cutters, are small beside the pieces.
 LEAST_WIDTH = 1000.0
+#: Of one item.
+MOST_COPIES = 10_000
 
 
 class InstanceError(ValueError):
@@ -38,8 +40,8 @@ def read_instance(path: Path) -> tuple[list[Piece], Material]:
     try:
         content = json.loads(path.read_text(encoding="utf-8"))
         name, width = str(content["name"]), float(content["strip_height"])
-        if not 0.0 < width < np.inf:
-            raise InstanceError(f"{path}: 'strip_height' must be larger than 0, got {width:g}")
+        if not 1e-6 <= width <= 1e6:
+            raise InstanceError(f"{path}: 'strip_height' must be in [1e-06, 1e+06], got {width:g}")
         scale = 10.0 ** max(0, math.ceil(math.log10(LEAST_WIDTH / width)))
         rotations = {_rotations(item) for item in content["items"]}
         pieces = [_piece(path, item, scale, name) for item in content["items"]]
@@ -49,8 +51,12 @@ def read_instance(path: Path) -> tuple[list[Piece], Material]:
         raise InstanceError(f"{path}: no strip packing problem: {type(error).__name__}: {error}") from None
     except InstanceError:
         raise
-    except ValueError as error:
+    except (ValueError, OverflowError, RecursionError) as error:
         raise InstanceError(f"{path}: can't be read: {error}") from None
+    if not pieces:
+        raise InstanceError(f"{path}: it has no items")
+    if len({piece.name for piece in pieces}) < len(pieces):
+        raise InstanceError(f"{path}: two of its items have one 'id'")
     if len(rotations) != 1:
         raise InstanceError(f"{path}: its items have different 'allowed_orientations'; a roll has one set for all")
     return pieces, Material(name, width * scale, rotations=rotations.pop())
@@ -59,7 +65,11 @@ def read_instance(path: Path) -> tuple[list[Piece], Material]:
 def _rotations(item: dict[str, Any]) -> tuple[float, ...] | None:
     """Degrees; None: free, where nothing is said."""
     given = item.get("allowed_orientations")
-    return None if given is None else tuple(float(angle) for angle in given) or (0.0,)
+    if given is None:
+        return None
+    if not np.isfinite(np.array(given, float)).all():
+        raise ValueError(f"'allowed_orientations' must be finite, got {given}")
+    return tuple(float(angle) for angle in given) or (0.0,)
 
 
 def _piece(path: Path, item: dict[str, Any], scale: float, problem: str) -> Piece:
@@ -73,7 +83,10 @@ def _piece(path: Path, item: dict[str, Any], scale: float, problem: str) -> Piec
     region = shapely.orient_polygons(Polygon(outline))
     if not region.is_valid:
         raise InstanceError(f"{path}: {name}: its outline is not simple: {shapely.is_valid_reason(region)}")
-    return plain_piece(name, np.array(region.exterior.coords)[:-1], int(item["demand"]), problem)
+    demand = int(item["demand"])
+    if not 1 <= demand <= MOST_COPIES:
+        raise InstanceError(f"{path}: {name}: 'demand' must be in [1, {MOST_COPIES}], got {demand}")
+    return plain_piece(name, np.array(region.exterior.coords)[:-1], demand, problem)
 
 
 def plain_piece(name: str, outline: Floats, cut: int, material: str) -> Piece:

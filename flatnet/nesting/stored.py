@@ -79,7 +79,7 @@ def restore(
             Layout(material, tuple(_placement(record, by_name) for record in sheet), number, False, digest, given)
             for number, sheet in enumerate(stored[digest]["sheets"], start=1)
         )
-    except (KeyError, TypeError, ValueError):  # a file that somebody edited
+    except (KeyError, TypeError, ValueError, OverflowError):  # a file that somebody edited
         return None
 
 
