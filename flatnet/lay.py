@@ -50,7 +50,8 @@ def lay(
     ProjectError
         The file of materials is invalid.
     LayError, InstanceError
-        A source holds no pieces, or two of them have different materials of one name; nothing is written.
+        A source holds no pieces, two of them have different materials of one name, or a piece asks for a zone that
+        its material does not have; nothing is written.
     OutputError
         The folder can't be used or written.
     """
@@ -112,15 +113,7 @@ def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str,
         return material.name, pieces, [others.get(material.name, material)]
     builds = [_read_build(source) for source in sources]
     builds = [replace(build, materials={**build.materials, **others}) for build in builds]
-    materials: dict[str, Material] = {}
-    for source, build in zip(sources, builds):
-        for name in dict.fromkeys(piece.material for piece in build.pieces.values()):
-            known = materials.setdefault(name, build.materials[name])
-            if known != build.materials[name]:
-                raise LayError(
-                    f"{source}: its material '{name}' is another than that of the folders before it; pieces are laid "
-                    "together where all that is said of it is the same"
-                )
+    materials = _materials_of(sources, builds)
     unknown = [name for name in others if name not in materials]
     if unknown:
         used = ", ".join(map(repr, materials))
@@ -133,6 +126,26 @@ def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str,
         for piece in build.pieces.values()
     ]
     return " + ".join(dict.fromkeys(titles)), pieces, list(materials.values())
+
+
+def _materials_of(sources: Sequence[Path], builds: Sequence[PieceFile]) -> dict[str, Material]:
+    """The materials that pieces are cut from, by name; those of one name are alike, and have the zones asked for."""
+    materials: dict[str, Material] = {}
+    for source, build in zip(sources, builds):
+        for name in dict.fromkeys(piece.material for piece in build.pieces.values()):
+            known = materials.setdefault(name, build.materials[name])
+            if known != build.materials[name]:
+                raise LayError(
+                    f"{source}: its material '{name}' is another than that of the folders before it; pieces are laid "
+                    "together where all that is said of it is the same"
+                )
+        for piece in build.pieces.values():
+            if piece.zone and piece.zone not in materials[piece.material].zones:
+                raise LayError(
+                    f"{build.title}: piece '{piece.name}' asks for zone '{piece.zone}', which no hide of material "
+                    f"'{piece.material}' has"
+                )
+    return materials
 
 
 def _read_build(folder: Path) -> PieceFile:

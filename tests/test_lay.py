@@ -1,6 +1,7 @@
 """`flatnet nest`: pieces of builds and of published problems, laid together."""
 
 import json
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -14,6 +15,7 @@ from flatnet.export.pieces_json import PieceFile, write_pieces
 from flatnet.lay import LayError, lay
 from flatnet.nesting.instance import InstanceError, read_instance
 from flatnet.parameters import FINAL_SECONDS, NestingParameters
+from flatnet.project.hides import Hide
 
 QUICK = NestingParameters(seconds=1)
 
@@ -101,9 +103,9 @@ def test_final_is_never_less_than_what_was_asked():
     assert NestingParameters(seconds=2 * FINAL_SECONDS).final().seconds == 2 * FINAL_SECONDS
 
 
-def written_build(folder, outline, project, size, material):
+def written_build(folder, outline, project, size, material, zone=""):
     folder.mkdir()
-    made = piece(outline, material, name="front", cut=1, mirrored=1)
+    made = replace(piece(outline, material, name="front", cut=1, mirrored=1), zone=zone)
     write_pieces(folder / "pieces.json", PieceFile(project, size, {material.name: material}, {"front": made}))
     return folder
 
@@ -168,6 +170,11 @@ def test_other_materials_take_the_place_of_those_of_the_build(tmp_path, capsys):
     hide.write_text("materials: {cloth: {width: wide}, felt: {width: 9}}")
     assert main(["nest", str(build), "-o", str(tmp_path / "laid"), "--materials", str(hide)]) == 2
     assert "hide.yaml:1:28: material 'cloth': width: expected a number" in capsys.readouterr().err
+    zoned = replace(cloth(width=450.0), hides=(Hide(((0, 0), (9, 0), (9, 9)), (), (("A", ((0, 0), (9, 0), (9, 9))),)),))
+    of_leather = written_build(tmp_path / "leather", SQUARE, "bag", "", zoned, zone="A")
+    hide.write_text("materials: {cloth: {width: 450}}")
+    assert main(["nest", str(of_leather), "-o", str(tmp_path / "bag"), "--materials", str(hide)]) == 2
+    assert "bag: piece 'front' asks for zone 'A', which no hide of material 'cloth' has" in capsys.readouterr().err
     hide.write_text("materials: {felt: {width: 9}}")
     assert main(["nest", str(build), "-o", str(tmp_path / "laid"), "--materials", str(hide)]) == 2
     assert "no piece is cut from material 'felt'" in capsys.readouterr().err

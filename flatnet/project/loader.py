@@ -205,7 +205,7 @@ def _zone_problems(patches: Mapping[str, PatchSpec], materials: Mapping[str, Mat
     problems = []
     for patch in patches.values():
         material = materials.get(patch.material)  # one that there is not is named already
-        if patch.zone and material and not any(patch.zone in dict(hide.zones) for hide in material.hides):
+        if patch.zone and material and patch.zone not in material.zones:
             message = f"patch {patch.name!r}: no hide of material {patch.material!r} has a zone {patch.zone!r}"
             problems.append(Problem(patch.mark, message))
     return problems

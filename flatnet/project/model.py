@@ -79,6 +79,11 @@ class Material:
         return len(self.hides) or self.sheets or np.inf
 
     @property
+    def zones(self) -> frozenset[str]:
+        """Names of the quality zones that its hides have."""
+        return frozenset(name for hide in self.hides for name, _ in hide.zones)
+
+    @property
     def one_way(self) -> bool:
         """Whether no piece may lie the other way round than another."""
         angles = [] if self.rotations is None else [angle % 360.0 for angle in self.rotations]
