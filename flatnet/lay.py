@@ -68,8 +68,8 @@ def lay(
             layouts += made
             findings += found
         named = dict(zip(layout_files(layouts), layouts, strict=True))
+        missing = {finding.patch for finding in findings if finding.patch}
         for file, layout in named.items():
-            missing = {finding.patch for finding in findings if finding.patch}
             wanted = [piece.name for piece in pieces if piece.material == layout.material.name]
             write_layout(output.staging / file, layout, title, [name for name in wanted if name in missing])
         write_stored(output.staging / STORED_LAYOUT, layouts)
