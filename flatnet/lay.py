@@ -110,14 +110,23 @@ def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str,
     """Title, pieces of distinct names, and their materials, in whose place others may be."""
     if len(sources) == 1 and not sources[0].is_dir():
         pieces, material = read_instance(sources[0])
-        return material.name, pieces, [others.get(material.name, material)]
-    builds = [_read_build(source) for source in sources]
-    builds = [replace(build, materials={**build.materials, **others}) for build in builds]
-    materials = _materials_of(sources, builds)
+        title, materials = material.name, {material.name: others.get(material.name, material)}
+    else:
+        title, pieces, materials = _read_builds(sources, others)
     unknown = [name for name in others if name not in materials]
     if unknown:
         used = ", ".join(map(repr, materials))
         raise LayError(f"no piece is cut from material {unknown[0]!r}; the pieces' materials are {used}")
+    return title, pieces, list(materials.values())
+
+
+def _read_builds(
+    sources: Sequence[Path], others: Mapping[str, Material]
+) -> tuple[str, list[Piece], dict[str, Material]]:
+    """The same of builds, the materials by name."""
+    builds = [_read_build(source) for source in sources]
+    builds = [replace(build, materials={**build.materials, **others}) for build in builds]
+    materials = _materials_of(sources, builds)
     titles = [build.title for build in builds]
     prefixes = [title if titles.count(title) == 1 else f"{title} {at}" for at, title in enumerate(titles, 1)]
     pieces = [
@@ -125,7 +134,7 @@ def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str,
         for prefix, build in zip(prefixes, builds)
         for piece in build.pieces.values()
     ]
-    return " + ".join(dict.fromkeys(titles)), pieces, list(materials.values())
+    return " + ".join(dict.fromkeys(titles)), pieces, materials
 
 
 def _materials_of(sources: Sequence[Path], builds: Sequence[PieceFile]) -> dict[str, Material]:

@@ -156,6 +156,13 @@ def test_a_piece_that_does_not_fit_fails_and_the_others_are_laid(tmp_path):
     assert "missing large: front" in (tmp_path / "out" / "layout-cloth.svg").read_text()
 
 
+def test_a_material_that_a_problem_does_not_have_is_told(instance, tmp_path, capsys):
+    (tmp_path / "felt.yaml").write_text("materials: {felt: {width: 9}}")
+    command = ["nest", str(instance), "-o", str(tmp_path / "out"), "--materials", str(tmp_path / "felt.yaml")]
+    assert main(command) == 2
+    assert "no piece is cut from material 'felt'; the pieces' materials are 'letters'" in capsys.readouterr().err
+
+
 def test_other_materials_take_the_place_of_those_of_the_build(tmp_path, capsys):
     build = written_build(tmp_path / "out", SQUARE, "square", "", cloth(width=450.0))
     hide = tmp_path / "hide.yaml"
