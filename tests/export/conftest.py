@@ -1,5 +1,7 @@
 """Builds and exports that several tests read."""
 
+from pathlib import Path
+
 import pytest
 from golden import Golden
 
@@ -8,8 +10,11 @@ from flatnet.parameters import EXPORT_FORMATS
 
 
 @pytest.fixture(scope="session", params=["pants", "shoe_2"])
-def golden(request, built, tmp_path_factory):
+def golden(request, built, once):
     """Every format of a shipped project."""
-    out, folder = built(request.param), tmp_path_factory.mktemp("exports")
-    assert main(["export", str(out), "--format", ",".join(EXPORT_FORMATS), "-o", str(folder)]) == 0
-    return Golden(out, folder)
+    out = built(request.param)
+
+    def make(folder: Path) -> None:
+        assert main(["export", str(out), "--format", ",".join(EXPORT_FORMATS), "-o", str(folder)]) == 0
+
+    return Golden(out, once(f"exports-{request.param}", make))
