@@ -1,6 +1,7 @@
-"""Real scans from end to end: the hole in a statue, a pair of trousers in four panels, a slip-on in four pieces."""
+"""Real meshes from end to end: a statue's hole, trousers in four panels, a leg in eight, a slip-on in four pieces."""
 
 import pytest
+from body_mesh import leg_project
 from moai_hole import moai_project
 from pants_mesh import pants_project
 from shoe_mesh import shoe_project
@@ -8,7 +9,7 @@ from written import read_obj, read_report
 
 from flatnet.cli import main
 
-REAL = {"statue": moai_project, "trousers": pants_project, "slip-on": shoe_project}
+REAL = {"statue": moai_project, "trousers": pants_project, "leg": leg_project, "slip-on": shoe_project}
 
 
 @pytest.mark.parametrize("make_project", REAL.values(), ids=REAL.keys())
