@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
 from pathlib import Path
 
 import pytest
@@ -41,7 +42,7 @@ def leg_project(folder: Path) -> Path:
     patches = {
         f"{left}_{right}_{upper}": {"around": [left, lower, f"-{right}", f"-{upper}"]}
         for left, right in zip(sides, sides[1:] + sides[:1])
-        for upper, lower in zip(rings, rings[1:])
+        for upper, lower in pairwise(rings)
     }
     project = {
         "flatnet": 1,
