@@ -9,7 +9,7 @@ from functools import cached_property
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from shapely import Polygon
+from shapely import Geometry, Polygon
 
 from flatnet.failure import Finding, PatchFailure
 from flatnet.fitting.results import FittedPatch
@@ -17,7 +17,7 @@ from flatnet.geometry.polygon import side_lengths
 from flatnet.geometry.triangles import boundary_triangle_normals
 from flatnet.network.patch import Patch, Stretch
 from flatnet.pattern.allowance import TOUCH, cut_line
-from flatnet.pattern.darts import dart_marks, dart_notches, fold_darts, with_straight_legs
+from flatnet.pattern.darts import Dart, dart_marks, dart_notches, fold_darts, with_straight_legs
 from flatnet.pattern.edging import Edging, Fold, edging, is_on_fold, unfolded
 from flatnet.pattern.labels import Label, grain_line, name_label, room_for_text, seam_label
 from flatnet.pattern.marks import Mark, make_marks
@@ -186,23 +186,11 @@ def make_piece(
     rings = shapely.MultiLineString([[*ring, ring[0]] for ring in (cut.outline, *cut.holes)])
     notches = _notches(edged, rings, seams)
     notches += tuple(notch for dart in darts for notch in dart_notches(dart, cut))
-    drawn, far = make_marks(fitted, marks)
-    if fold is not None:
-        drawn += [image for mark in drawn if (image := _across(mark, fold))]
-        drawn.append(Mark(patch.fold or "", "fold", fold.line))
-    drawn += [mark for dart in darts for mark in dart_marks(dart)]
+    drawn, far = _marks(fitted, marks, darts, fold)
     lines = [line for notch in notches for line in notch.lines] + [line for mark in drawn for line in mark.lines]
     free = room_for_text(inside, lines)
     label = name_label(patch.name, what_to_cut(*copies, material.name, project), free)
-    free = free.difference(label.box)
-    runs = []
-    for stretch in edged.stretches:
-        along = np.arange(stretch.first, stretch.first + stretch.count + 1) % len(sew_line)
-        seam = seams[stretch.seam]
-        words = seam_label(seam.number, seam.name, sew_line[along], free)
-        if words:
-            free = free.difference(words.box)
-        runs.append(SeamRun(seam, along[::-1].copy() if stretch.reversed else along, words))
+    runs, free = _seam_runs(edged, seams, free.difference(label.box))
     return Piece(
         name=patch.name,
         sew_line=sew_line,
@@ -238,6 +226,30 @@ def _inside(patch: Patch, sew_line: Floats) -> Polygon:
             "self_intersection", "pattern", f"the flat piece can't be cut from one sheet: {error}.",
             "Divide the patch by another curve through the place where it overlaps.", patch=patch.name,
         ) from error
+
+
+def _marks(
+    fitted: FittedPatch, specs: Sequence[MarkSpec], darts: Sequence[Dart], fold: Fold | None
+) -> tuple[list[Mark], list[Finding]]:
+    """What is drawn inside a piece, on both sides of its fold, and warnings of marks that lie off it."""
+    drawn, far = make_marks(fitted, specs)
+    if fold is not None:
+        drawn += [image for mark in drawn if (image := _across(mark, fold))]
+        drawn.append(Mark(fitted.patch.fold or "", "fold", fold.line))
+    return drawn + [mark for dart in darts for mark in dart_marks(dart)], far
+
+
+def _seam_runs(edged: Edging, seams: Mapping[str, Seam], free: Geometry) -> tuple[list[SeamRun], Geometry]:
+    """The seams along a sew line, with their labels where there is room, and the room that these leave."""
+    runs = []
+    for stretch in edged.stretches:
+        along = np.arange(stretch.first, stretch.first + stretch.count + 1) % len(edged.sew_line)
+        seam = seams[stretch.seam]
+        words = seam_label(seam.number, seam.name, edged.sew_line[along], free)
+        if words:
+            free = free.difference(words.box)
+        runs.append(SeamRun(seam, along[::-1].copy() if stretch.reversed else along, words))
+    return runs, free
 
 
 def _across(mark: Mark, fold: Fold) -> Mark | None:
