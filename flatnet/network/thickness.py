@@ -1,10 +1,14 @@
 """Move a network to the middle of the material: half of its thickness along the normals.
 
 A sheet that is bent keeps the lengths of its middle, which lies half its thickness outside what it is laid on. At a
-vertex every edge of a patch that ends there asks the vertex to move out by h, half that patch's thickness, along the
-normal n that the sheet has there: n . d = h. The shortest d that comes nearest to all of them is taken. So the patches
-on both sides keep one curve: off creases, where all normals are alike, it moves by the mean of both; at a crease to
-where the middles of both meet; at a corner of a box likewise.
+vertex every patch asks the vertex to move out by h, half its thickness, along the normal n that the sheet has there:
+n . d = h. The shortest d that comes nearest to all of them is taken. So the patches on both sides keep one curve: off
+creases, where all normals are alike, it moves by the mean of both; at a crease to where the middles of both meet; at a
+corner of a box likewise.
+
+A patch asks once at a vertex, along the mean of the normals of its two edges there. Asked once for each edge, three
+faces in a corner, one of whose normals differ, would contradict each other: six planes have no common point, and what
+is left over would lift a flat face's corner out of its plane. Three planes have one.
 """
 
 from __future__ import annotations
@@ -47,11 +51,9 @@ def to_middle(
     count = 1 + max(int(number.max()) for number in numbers.values())
     squares, pulls = np.zeros((count, 3, 3)), np.zeros((count, 3))
     for name, loops in faces.items():
-        for dart in (dart for loop in loops for dart in loop):
-            stretch = stretches[dart.stretch]
-            normals = stretch.right_normals if dart.reversed else stretch.left_normals
-            number = numbers[stretch.name]
-            for ends, there in zip((number[:-1], number[1:]), _at_ends(normals, number[0] == number[-1]), strict=True):
+        for loop in loops:
+            ends, before, after = _around(loop, stretches, numbers)
+            for there in _together(before, after):
                 np.add.at(squares, ends, there[:, :, None] * there[:, None, :])
                 np.add.at(pulls, ends, halves[name] * there)
     moves = _shortest(squares, pulls)
@@ -92,6 +94,30 @@ def _numbered(places: Mapping[str, Floats], stretches: Mapping[str, SampledStret
             number[[0, -1]] = nodes[stretch.start], nodes[stretch.end]
         numbers[name] = number
     return numbers
+
+
+def _around(
+    loop: Sequence[Dart], stretches: Mapping[str, SampledStretch], numbers: Mapping[str, NDArray[np.int64]]
+) -> tuple[NDArray[np.int64], Floats, Floats]:
+    """The vertices of a loop, (n,), and the sheet's normals there on the edge before and on the one after, (n, 3)."""
+    ends, firsts, lasts = [], [], []
+    for dart in loop:
+        stretch, number = stretches[dart.stretch], numbers[dart.stretch]
+        normals = stretch.right_normals if dart.reversed else stretch.left_normals
+        first, last = _at_ends(normals, number[0] == number[-1])
+        if dart.reversed:
+            number, first, last = number[::-1], last[::-1], first[::-1]
+        ends.append(number[:-1])
+        firsts.append(first)
+        lasts.append(last)
+    return np.concatenate(ends), np.roll(np.concatenate(lasts), 1, axis=0), np.concatenate(firsts)
+
+
+def _together(before: Floats, after: Floats) -> tuple[Floats, Floats]:
+    """Normals of the same sheet at the same vertex, (n, 3) unit each: their mean, or as they are across a crease."""
+    smooth = (dot(before, after) > np.cos(CREASE))[:, None]
+    mean = unit(before + np.where(smooth, after, 0.0))  # the sum of opposed ones has no direction
+    return np.where(smooth, mean, before), np.where(smooth, mean, after)
 
 
 def _at_ends(normals: Floats, closed: bool) -> tuple[Floats, Floats]:

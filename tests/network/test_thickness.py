@@ -151,3 +151,17 @@ def test_mirror_images_stay_exact(tmp_path):
         radii = np.linalg.norm(stretches[name].vertices[:, :2], axis=1)
         assert radii == pytest.approx(61.5, rel=1e-12)
     assert polyline_length(stretches["low"].vertices) > 90.0
+
+
+def test_a_level_face_stays_level_where_the_normals_beside_it_differ(tmp_path):
+    # Along the edges of the level face the two others say that they lean by 6 degrees, along their common edge upright.
+    content = box([1.6, 1.6, 1.6])
+    for edge, outwards in (("e101.111", np.array([1.0, 0.0, 0.0])), ("e011.111", np.array([0.0, 1.0, 0.0]))):
+        said = content["curves"][edge]["normals"]
+        leaning = {side: np.add(n, [0.0, 0.0, 0.1]).tolist() for side, n in said.items() if n == outwards.tolist()}
+        assert leaning
+        content["curves"][edge]["normals"] = {**said, **leaning}
+    network = network_of(tmp_path, content)
+    corners = [network.nodes[name] for name in ("001", "011", "101", "111")]
+    assert max(abs(corner[2] - 100.8) for corner in corners) < 1e-9
+    assert network.nodes["111"] != pytest.approx([100.8, 100.8, 100.8], abs=1e-3)  # the other two are tilted
