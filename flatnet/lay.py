@@ -4,9 +4,11 @@ from __future__ import annotations
 
 import json
 from collections.abc import Mapping, Sequence
-from dataclasses import replace
+from dataclasses import fields, replace
 from functools import partial
 from pathlib import Path
+
+import numpy as np
 
 from flatnet.build import STORED_LAYOUT, BuildResult, Progress, layout_files
 from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder
@@ -56,9 +58,9 @@ def lay(
         The folder can't be used or written.
     """
     others = {} if materials_file is None else load_materials(materials_file)
-    title, pieces, materials = _read([Path(source) for source in sources], others)
+    title, pieces, materials, unmade = _read([Path(source) for source in sources], others)
     layouts: list[Layout] = []
-    findings: list[Finding] = []
+    findings = list(unmade)
     with OutputFolder(Path(out)) as output:
         stored = {} if again else read_stored(output.previous(STORED_LAYOUT))
         for done, material in enumerate(materials):
@@ -71,7 +73,9 @@ def lay(
         missing = {finding.patch for finding in findings if finding.patch}
         for file, layout in named.items():
             wanted = [piece.name for piece in pieces if piece.material == layout.material.name]
-            write_layout(output.staging / file, layout, title, [name for name in wanted if name in missing])
+            # What was not made says no more what it would have been cut from: all sheets name it.
+            absent = [*(finding.patch for finding in unmade), *(name for name in wanted if name in missing)]
+            write_layout(output.staging / file, layout, title, absent)
         write_stored(output.staging / STORED_LAYOUT, layouts)
         files = sorted([*named, STORED_LAYOUT, REPORT])
         report = _report(title, pieces, named, findings, files)
@@ -93,11 +97,12 @@ def _report(
 ) -> dict[str, object]:
     """As a build's, of layouts alone."""
     not_laid = {finding.patch for finding in findings if finding.patch}
+    names = dict.fromkeys([*(piece.name for piece in pieces), *not_laid])
     return {
         "format": REPORT_FORMAT,
         "flatnet": VERSION,
         "project": title,
-        "status": status([piece.name not in not_laid for piece in pieces], bool(layouts)),
+        "status": status([name not in not_laid for name in names], bool(layouts)),
         "patches": [],
         "seams": [],
         "layouts": [layout_record(file, layout) for file, layout in layouts.items()],
@@ -106,47 +111,75 @@ def _report(
     }
 
 
-def _read(sources: Sequence[Path], others: Mapping[str, Material]) -> tuple[str, list[Piece], list[Material]]:
-    """Title, pieces of distinct names, and their materials, in whose place others may be."""
+def _read(
+    sources: Sequence[Path], others: Mapping[str, Material]
+) -> tuple[str, list[Piece], list[Material], list[Finding]]:
+    """Title, pieces of distinct names, their materials, in whose place others may be, and what was not made."""
+    unmade: list[Finding] = []
     if len(sources) == 1 and not sources[0].is_dir():
         pieces, material = read_instance(sources[0])
         title, materials = material.name, {material.name: others.get(material.name, material)}
     else:
-        title, pieces, materials = _read_builds(sources, others)
+        title, pieces, materials, unmade = _read_builds(sources, others)
     unknown = [name for name in others if name not in materials]
     if unknown:
         used = ", ".join(map(repr, materials))
         raise LayError(f"no piece is cut from material {unknown[0]!r}; the pieces' materials are {used}")
-    return title, pieces, list(materials.values())
+    return title, pieces, list(materials.values()), unmade
 
 
 def _read_builds(
     sources: Sequence[Path], others: Mapping[str, Material]
-) -> tuple[str, list[Piece], dict[str, Material]]:
+) -> tuple[str, list[Piece], dict[str, Material], list[Finding]]:
     """The same of builds, the materials by name."""
     builds = [_read_build(source) for source in sources]
     builds = [replace(build, materials={**build.materials, **others}) for build in builds]
     materials = _materials_of(sources, builds)
     titles = [build.title for build in builds]
     prefixes = [title if titles.count(title) == 1 else f"{title} {at}" for at, title in enumerate(titles, 1)]
+    names = ["" if len(builds) == 1 else f"{prefix}: " for prefix in prefixes]
     pieces = [
-        piece if len(builds) == 1 else replace(piece, name=f"{prefix}: {piece.name}")
-        for prefix, build in zip(prefixes, builds)
+        replace(piece, name=f"{name}{piece.name}")
+        for name, build in zip(names, builds)
         for piece in build.pieces.values()
     ]
-    return " + ".join(dict.fromkeys(titles)), pieces, materials
+    unmade = [
+        replace(finding, patch=f"{name}{finding.patch}")
+        for name, source, build in zip(names, sources, builds)
+        for finding in _unmade(source, build)
+    ]
+    return " + ".join(dict.fromkeys(titles)), pieces, materials, unmade
+
+
+def _unmade(folder: Path, build: PieceFile) -> list[Finding]:
+    """Why patches could not be made of which the report of a build tells, and which have no piece."""
+    file = folder / REPORT
+    made = {piece.name for piece in build.pieces.values()}
+    if not file.is_file():  # its pieces alone are laid as they are
+        return []
+    try:
+        records = json.loads(file.read_text(encoding="utf-8"))["patches"]
+        return [
+            Finding(**record["failure"]).on(record["name"])
+            for record in records
+            if record["failure"] and record["name"] not in made
+        ]
+    except (OSError, ValueError, KeyError, TypeError) as error:
+        raise LayError(f"{file}: not the report of a build: {type(error).__name__}: {error}; build again") from None
 
 
 def _materials_of(sources: Sequence[Path], builds: Sequence[PieceFile]) -> dict[str, Material]:
     """The materials that pieces are cut from, by name; those of one name are alike, and have the zones asked for."""
     materials: dict[str, Material] = {}
+    said_in: dict[str, Path] = {}
     for source, build in zip(sources, builds):
         for name in dict.fromkeys(piece.material for piece in build.pieces.values()):
-            known = materials.setdefault(name, build.materials[name])
+            known, first = materials.setdefault(name, build.materials[name]), said_in.setdefault(name, source)
             if known != build.materials[name]:
                 raise LayError(
-                    f"{source}: its material '{name}' is another than that of the folders before it; pieces are laid "
-                    "together where all that is said of it is the same"
+                    f"{source}: its material '{name}' is another than that of {first}: "
+                    f"{_differences(build.materials[name], known)}; say what they are laid on with `--materials FILE`, "
+                    "whose materials take the place of those of the same name"
                 )
         for piece in build.pieces.values():
             if piece.zone and piece.zone not in materials[piece.material].zones:
@@ -155,6 +188,28 @@ def _materials_of(sources: Sequence[Path], builds: Sequence[PieceFile]) -> dict[
                     f"'{piece.material}' has"
                 )
     return materials
+
+
+def _differences(one: Material, other: Material) -> str:
+    """The keys in which two materials differ, with both values."""
+    return ", ".join(
+        f"{field.name} {_spoken(field.name, getattr(one, field.name))} and not "
+        f"{_spoken(field.name, getattr(other, field.name))}"
+        for field in fields(Material)
+        if getattr(one, field.name) != getattr(other, field.name)
+    )
+
+
+def _spoken(key: str, value: object) -> str:
+    """A value of a material as its file would say it, lengths in mm; of hides only how many, and how large."""
+    if key == "rotations":
+        return "free" if value is None else str(list(value)) if isinstance(value, tuple) else str(value)
+    if key == "hides" and isinstance(value, tuple):
+        sizes = (np.ptp(hide.outline, axis=0) for hide in value)
+        return "[" + ", ".join(f"{length:g} x {width:g} mm" for length, width in sizes) + "]"
+    if key in ("width", "length", "gap", "allowance", "thickness") and value is not None:
+        return f"{value:g} mm"
+    return "none" if value is None else f"{value:g}"
 
 
 def _read_build(folder: Path) -> PieceFile:

@@ -12,6 +12,7 @@ from written import read_report
 from flatnet.cli import main
 from flatnet.export.drawn_layout import read_layout
 from flatnet.export.pieces_json import PieceFile, write_pieces
+from flatnet.failure import Finding
 from flatnet.lay import LayError, lay
 from flatnet.nesting.instance import InstanceError, read_instance
 from flatnet.parameters import FINAL_SECONDS, NestingParameters
@@ -133,8 +134,14 @@ def test_two_sizes_are_laid_together(tmp_path):
 def test_builds_of_different_materials_of_one_name_are_refused(tmp_path):
     first = written_build(tmp_path / "a", SQUARE, "a", "", cloth(width=450.0))
     second = written_build(tmp_path / "b", SQUARE, "b", "", cloth(width=460.0))
-    with pytest.raises(LayError, match="its material 'cloth' is another than"):
+    words = "its material 'cloth' is another than that of .*a: width 460 mm and not 450 mm; .*`--materials FILE`"
+    with pytest.raises(LayError, match=words):
         lay([first, second], tmp_path / "out", QUICK)
+    free = replace(cloth(width=450.0), rotations=None, hides=(Hide(((0, 0), (9, 0), (9, 8)), (), ()),))
+    third = written_build(tmp_path / "c", SQUARE, "c", "", free)
+    words = r"rotations free and not \[0.0, 180.0\], hides \[9 x 8 mm\] and not \[\];"
+    with pytest.raises(LayError, match=words):
+        lay([first, third], tmp_path / "out", QUICK)
     assert not (tmp_path / "out").exists()
 
 
@@ -154,6 +161,27 @@ def test_a_piece_that_does_not_fit_fails_and_the_others_are_laid(tmp_path):
     (finding,) = result.report["findings"]
     assert (finding["code"], finding["patch"]) == ("sheet_too_small", "large: front")
     assert "missing large: front" in (tmp_path / "out" / "layout-cloth.svg").read_text()
+
+
+def test_a_build_with_a_patch_that_failed_is_laid_and_called_incomplete(tmp_path, capsys):
+    material = cloth(width=450.0)
+    build = written_build(tmp_path / "bag", SQUARE, "bag", "", material)
+    failure = Finding("folded", "unfold", "It folds back.", "Cut it.", patch="base")
+    not_laid = Finding("sheet_too_small", "nesting", "It was too large.", "Take another.", patch="front")
+    records = [{"name": f.patch, "status": "failed", "failure": f.as_dict()} for f in (failure, not_laid)]
+    (build / "report.json").write_text(json.dumps({"patches": records}))
+    assert main(["nest", str(build), "-o", str(tmp_path / "out"), "--seconds", "1"]) == 1
+    said = capsys.readouterr().out
+    assert "base: FAILED folded: It folds back. Cut it." in said and "partial: " in said
+    assert "front: FAILED" not in said  # its piece is there, and has room now
+    assert "INCOMPLETE: missing base" in (tmp_path / "out" / "layout-cloth.svg").read_text()
+    other = written_build(tmp_path / "purse", SQUARE, "purse", "", material)
+    result = lay([other, build], tmp_path / "both", QUICK)
+    assert result.exit_status == 1
+    assert "missing bag: base" in (tmp_path / "both" / "layout-cloth.svg").read_text()
+    (build / "report.json").write_text("[]")
+    with pytest.raises(LayError, match="not the report of a build"):
+        lay([build], tmp_path / "out", QUICK)
 
 
 def test_a_material_that_a_problem_does_not_have_is_told(instance, tmp_path, capsys):
