@@ -77,17 +77,15 @@ def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
         )
         for number, (name, stretch) in enumerate(stretches.items(), start=1)
     }
-    return _joined(project, network.stretches, seams)
+    return _joined(project, network, seams)
 
 
-def _joined(
-    project: Project, stretches: Mapping[str, SampledStretch], seams: Mapping[str, Seam]
-) -> dict[str, Seam]:
+def _joined(project: Project, network: CurveNetwork, seams: Mapping[str, Seam]) -> dict[str, Seam]:
     """The seams with what is said of curves that are sewn to other curves."""
-    made = dict(seams)
+    made, stretches, fold_ends = dict(seams), network.stretches, _fold_ends(network)
     notches = {name: seams[name].notches if name in seams else () for name in stretches}
     for curve in project.curves.values():
-        found = join(curve, project.curves, stretches, notches)
+        found = join(curve, project.curves, stretches, notches, fold_ends)
         if found is None:
             continue
         joined, carried, kind = found
@@ -100,6 +98,18 @@ def _joined(
                 spec = replace(made[name].spec, notches=kind)
                 made[name] = replace(made[name], spec=spec, notches=tuple(carried[name]))
     return made
+
+
+def _fold_ends(network: CurveNetwork) -> dict[str, set[str | None]]:
+    """Stretch -> the nodes at the ends of the folds of the patches along it."""
+    ends: dict[str, set[str | None]] = {}
+    for patch in network.patches:
+        along = [network.stretches[run.seam] for run in patch.boundary.stretches]
+        fold = {node for each in along if each.curve == patch.fold for node in (each.start, each.end)}
+        for each in along:
+            if each.curve != patch.fold:
+                ends.setdefault(each.name, set()).update(fold)
+    return ends
 
 
 def _notched(project: Project, stretches: Mapping[str, SampledStretch]) -> dict[str, NotchedSeam]:

@@ -52,18 +52,19 @@ def _joined(join: Join, walked: Mapping[str, list[Floats]]) -> dict[str, object]
 
 
 def _along(run: Run, places: Iterable[Place], walked: Mapping[str, list[Floats]]) -> Floats:
-    """Arclengths on the flat pieces of a run's start, of places on it, and of its end."""
+    """Arclengths on the whole flat pieces of a run's start, of places on it, and of its end."""
     starts, total = {}, 0.0
     for name, _ in run.seams:
         starts[name] = total
         total += float(walked[name][0][-1])
     back = dict(run.seams)
     found = []
-    for name, notch in places:
+    for name, notch, image in places:
         along = walked[name][0]
         place = notch.met_at(along)
-        found.append(starts[name] + (float(along[-1]) - place if back[name] else place))
-    return np.array([0.0, *found, total])
+        drawn = starts[name] + (float(along[-1]) - place if back[name] else place)
+        found.append(run.along(drawn, image, total))
+    return np.array([0.0, *found, total if run.fold is None else 2.0 * total])
 
 
 def _legs(along: Floats, notches: Iterable[SeamNotch]) -> Floats:

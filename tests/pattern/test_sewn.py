@@ -118,3 +118,61 @@ def test_what_can_not_be_sewn_is_a_problem_of_the_project(tmp_path):
         with pytest.raises(ProjectError) as caught:
             seams_of(tmp_path, sleeve(**said))
         assert message in str(caught.value)
+
+
+def skirt_on_the_fold(hem=None, ruffle=None, side=None, backwards=False):
+    """One half of a skirt, 120 mm at the hem and 80 mm high, and a ruffle of 240 mm; a gusset of 80 mm."""
+    nodes = {"a": [0, 0, 0], "b": [120, 0, 0], "c": [120, 80, 0], "d": [0, 80, 0]}
+    nodes |= {"k": [0, -90, 0], "l": [240, -90, 0], "m": [240, -50, 0], "n": [0, -50, 0]}
+    nodes |= {"x": [300, 0, 0], "y": [340, 0, 0], "z": [300, 80, 0]}
+    return {
+        "flatnet": 1,
+        "name": "skirt",
+        "edge_length": 10,
+        "nodes": nodes,
+        "curves": {
+            "hem": straight(*("ba" if backwards else "ab"), **(hem or {})),
+            "bc": straight("b", "c", **(side or {})),
+            **{p + q: straight(p, q) for p, q in ("cd", "da", "kl", "lm", "nk", "xy", "yz", "zx")},
+            "ruffle": straight("m", "n", **(ruffle or {})),
+        },
+        "patches": {
+            "skirt": {"around": ["-hem" if backwards else "hem", "bc", "cd", "da"], "fold": "da"},
+            "ruffle": {"around": ["kl", "lm", "ruffle", "nk"]},
+            "gusset": {"around": ["xy", "yz", "zx"]},
+        },
+        "rest": "openings",
+        "materials": {"cloth": {"width": 500, "allowance": 8}},
+        "nesting": {"seconds": 1},
+    }
+
+
+@pytest.mark.parametrize("backwards", [False, True])
+def test_what_is_cut_on_the_fold_is_sewn_with_both_halves(tmp_path, capsys, backwards):
+    project = skirt_on_the_fold({"notches": {"at": [30]}}, {"sewn_to": "hem"}, {"sewn_to": "zx"}, backwards)
+    seams, _ = seams_of(tmp_path, project)
+    (joined,) = seams["ruffle"].joins
+    assert (joined.eased.length, joined.plain.length) == pytest.approx((240.0, 240.0))
+    from_fold = 90.0 if backwards else 30.0
+    assert [notch.arclength for notch in seams["ruffle"].notches] == pytest.approx([120 - from_fold, 120 + from_fold])
+    (side,) = seams["bc"].joins  # off the fold: once on either half
+    assert (side.eased.length, side.plain.length) == pytest.approx((80.0, 80.0))
+
+    (tmp_path / "skirt.yaml").write_text(yaml.safe_dump(project))
+    assert main(["build", str(tmp_path / "skirt.yaml"), "-o", str(tmp_path / "out")]) == 0
+    walks = {walk["a"]: walk for walk in read_report(tmp_path / "out")["seam_walk"]}
+    for name in ("ruffle", "bc"):
+        assert walks[name]["ease_mm"] == pytest.approx(0.0, abs=1e-6) and not walks[name]["warnings"]
+    legs = [120 - from_fold, 2 * from_fold, 120 - from_fold]
+    for side in ("a_mm", "b_mm"):
+        assert [leg[side] for leg in walks["ruffle"]["legs"]] == pytest.approx(legs, abs=1e-6)
+    assert "ruffle 240.0 mm on hem 240.0 mm" in capsys.readouterr().out
+
+
+def test_both_notches_of_a_whole_curve_meet_the_one_of_the_half(tmp_path):
+    project = skirt_on_the_fold(ruffle={"notches": {"at": ["25%", "75%"]}, "sewn_to": {"curves": "hem", "ease": 3}})
+    seams, _ = seams_of(tmp_path, project)
+    assert [notch.arclength for notch in seams["hem"].notches] == pytest.approx([60.0])
+    (joined,) = seams["hem"].joins
+    assert [plain.image for _, plain in joined.matches] == [True, False]
+    assert joined.ease == pytest.approx(3.0)
