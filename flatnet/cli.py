@@ -84,7 +84,7 @@ def _nest(options: argparse.Namespace) -> int:
 
 
 def _diagnose(options: argparse.Namespace) -> int:
-    """0 where nothing is wrong, or a cut was found for all that is, else 1."""
+    """0 where nothing is wrong, or a cut was found that cures all that is, else 1."""
     found = diagnose_project(options.project, options.patch, _say_progress, options.workers)
     for diagnosis in found.diagnoses:
         _say_lines(diagnosis_lines(found.project, diagnosis))

@@ -8,7 +8,6 @@ from pathlib import Path
 
 from flatnet.build import Progress
 from flatnet.failure import Finding
-from flatnet.fitting.results import FittedPatch
 from flatnet.forms import make_surface
 from flatnet.network.assembly import make_network
 from flatnet.patch_fitter import PatchFitter
@@ -41,10 +40,10 @@ class ProjectDiagnosis:
 
     @property
     def all_cured(self) -> bool:
-        """Whether a seam was found for every patch that needs one."""
-        made = all(isinstance(ring.result, FittedPatch) for ring in self.rings)
+        """Whether every patch that needs a seam has one with which nothing is left that fails or wrinkles."""
+        made = not any(needs_cut(ring.result) for ring in self.rings)
         wrong = [diagnosis for diagnosis in self.diagnoses if needs_cut(diagnosis.result)]
-        return made and not self.not_fitted and all(diagnosis.cure is not None for diagnosis in wrong)
+        return made and not self.not_fitted and all(diagnosis.cured for diagnosis in wrong)
 
 
 def diagnose_project(

@@ -88,6 +88,11 @@ class Diagnosis:
         less = is_wrinkled(self.result) and best.turning <= MUCH_LESS * self.result.mesh.wrinkles.turning
         return best if best.unmade == 0 and (best.wrinkled == 0 or less) else None
 
+    @property
+    def cured(self) -> bool:
+        """Whether the best cut leaves nothing that fails or wrinkles: it is more than a step forward."""
+        return self.cure is not None and self.cure.unmade == 0 and self.cure.wrinkled == 0
+
 
 def is_wrinkled(result: Result) -> bool:
     """Whether a patch wrinkles that is not meant to."""

@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 
 #: Significant digits of numbers: a micrometre on a kilometre.
 DIGITS = 9
+#: Coordinates below this part of the patch's size, and components below it of unit vectors, are the round-off of 0.
+ROUND_OFF = 1e-12
 
 
 def paste(project: Project, found: Diagnosis | RingSeam) -> str:
@@ -43,7 +45,8 @@ def paste(project: Project, found: Diagnosis | RingSeam) -> str:
         curve, t = _fraction(before, after.nodes[node])
         lines.append(f"  {node}: {{at: {{curve: {curve}, t: {t:.{DIGITS}g}}}}}")
     half = 0.5 * project.materials[parts[0].material].thickness
-    lines += ["curves:", *_curve(stretch, half, project.mm_per_unit)]
+    size = float(np.ptp(np.concatenate([part.boundary.vertices for part in parts]), axis=0).max())
+    lines += ["curves:", *_curve(stretch, half, size, project.mm_per_unit)]
     lines.append(f"patches:  # in place of '{name}'")
     lines += [f"  {part.name}: {{{', '.join(_patch(part, project.patches[name], project))}}}" for part in parts]
     if len(project.curves) == 1 and not project.openings and not project.rest_is_open:
@@ -61,8 +64,8 @@ def _fraction(network: CurveNetwork, place: Floats) -> tuple[str, float]:
     return seam.curve, (before + along) / sum(s.length for s in of_curve)
 
 
-def _curve(seam: SampledStretch, half: float, mm_per_unit: float) -> list[str]:
-    points = [_vector(point / mm_per_unit) for point in laid_back(seam, half)]
+def _curve(seam: SampledStretch, half: float, size: float, mm_per_unit: float) -> list[str]:
+    points = [_vector(point / mm_per_unit, size / mm_per_unit) for point in laid_back(seam, half)]
     normals = [_vector(normal) for normal in seam.left_normals]
     return [
         f"  {seam.name}:",
@@ -73,8 +76,9 @@ def _curve(seam: SampledStretch, half: float, mm_per_unit: float) -> list[str]:
     ]
 
 
-def _vector(values: Floats) -> str:
-    return "[" + ", ".join(f"{value:.{DIGITS}g}" for value in values + 0.0) + "]"
+def _vector(values: Floats, size: float = 1.0) -> str:
+    values = np.where(np.abs(values) < ROUND_OFF * size, 0.0, values)
+    return "[" + ", ".join(f"{value:.{DIGITS}g}" for value in values) + "]"
 
 
 def _patch(part: Patch, spec: PatchSpec, project: Project) -> list[str]:

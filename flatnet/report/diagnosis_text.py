@@ -7,7 +7,7 @@ import numpy as np
 from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.geometry.triangles import bending
 from flatnet.project.model import Project
-from flatnet.remedies.diagnose import Diagnosis, Result, Trial, is_wrinkled
+from flatnet.remedies.diagnose import Diagnosis, Result, Trial, is_wrinkled, needs_cut
 from flatnet.remedies.paste import paste
 from flatnet.remedies.ring_seam import RingSeam
 from flatnet.report.warnings import wrinkled
@@ -24,7 +24,8 @@ def diagnosis_lines(project: Project, diagnosis: Diagnosis) -> list[str]:
         lines += [f"  {i}. {trial_line(diagnosis, trial)}", *(f"     {line}" for line in _figures(trial))]
     if diagnosis.cure is None:
         return [*lines, "  none of them helps; change the curves around the patch, or its normals."]
-    return [*lines, "  the best, to paste:", *paste(project, diagnosis).splitlines()]
+    step = "" if diagnosis.cured or not needs_cut(diagnosis.result) else ", a step forward and no cure: cut again"
+    return [*lines, f"  the best{step}, to paste:", *paste(project, diagnosis).splitlines()]
 
 
 def ring_lines(project: Project, ring: RingSeam) -> list[str]:

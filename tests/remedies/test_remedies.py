@@ -11,7 +11,7 @@ from scipy.spatial import cKDTree
 from written import read_obj, read_report
 
 from flatnet.cli import main
-from flatnet.diagnosis import diagnose_project
+from flatnet.diagnosis import ProjectDiagnosis, diagnose_project
 from flatnet.fitting.results import FailedPatch, FittedPatch
 from flatnet.fitting.run import run_patch
 from flatnet.forms.surface import ReferenceSurface, tidy_mesh
@@ -110,6 +110,19 @@ def test_a_long_spiral_is_divided_again_until_every_part_is_made():
     assert len(parts) == 3 == len(cuts) + 1 and not any(isinstance(part, FailedPatch) for part in parts.values())
     assert [p.name for p in divided.patches] == list(parts)
     assert all(any(w.code == "divided" for w in part.warnings) for part in parts.values())
+
+
+def test_a_cut_that_leaves_a_part_failing_is_a_step_and_no_cure(tmp_path):
+    file = tmp_path / "project.yaml"
+    file.write_text(yaml.safe_dump(as_project(*spiral(2.7))))
+    project = load_project(file)
+    network = make_network(project, None)
+    [patch] = network.patches
+    [failed] = fit_all([patch])
+    found = diagnose(network, patch, failed, None, fit_all)
+    assert found.cure is not None and found.cure.unmade == 1 and not found.cured
+    assert not ProjectDiagnosis(project, (found,), (), (), 1).all_cured
+    assert "the best, a step forward and no cure: cut again, to paste:" in "\n".join(diagnosis_lines(project, found))
 
 
 def test_what_is_pasted_makes_the_patches_that_were_tried(tmp_path, capsys):
