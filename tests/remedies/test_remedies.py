@@ -22,7 +22,8 @@ from flatnet.project import load_project
 from flatnet.remedies.auto_split import split
 from flatnet.remedies.candidates import candidate_cuts
 from flatnet.remedies.cut_curve import CutPlaces, draw_cut
-from flatnet.remedies.diagnose import diagnose
+from flatnet.remedies.diagnose import Diagnosis, Trial, diagnose, divide_by
+from flatnet.remedies.paste import paste
 from flatnet.report.diagnosis_text import diagnosis_lines
 
 
@@ -139,6 +140,55 @@ def test_what_is_pasted_makes_the_patches_that_were_tried(tmp_path, capsys):
     content["patches"], content["rest"] = pasted["patches"], pasted["rest"]
     file.write_text(yaml.safe_dump(content))
     assert main(["build", str(file), "-o", str(tmp_path / "out")]) == 0
+
+
+def test_what_is_said_of_a_patch_is_pasted_for_its_parts(tmp_path):
+    """A square with all that a patch can say; it is cut along a diagonal, off which one hole lies on either side."""
+    places = {"a": [0, 0, 0], "b": [100, 0, 0], "c": [100, 100, 0], "d": [0, 100, 0]}
+    holes = {name: {"at": [*xy, 0], "kind": "eyelet", "diameter": 5} for name, xy in (("h_b", (90, 10)),
+             ("h_d", (10, 90)), ("h_a", (10, 10)), ("h_c", (90, 90)))}  # fmt: skip
+    sheet = {
+        "around": ["ab", "bc", "cd", "da"],
+        "material": "felt",
+        "also": {"lining": {"allowance": 6}, "foam": {"cut": 2}},
+        "min_angle": dict.fromkeys("abcd", 80),
+        "marks": {**holes, "line": {"points": [[20, 20, 0], [80, 80, 0], [80, 20, 0]], "kind": "skive"}},
+        "wrinkles": "expected",
+        "planar_boundary": "simple",
+    }
+    content = {
+        "flatnet": 1, "name": "said", "edge_length": 12, "nodes": places, "rest": "openings",
+        "curves": {p + q: {"from": p, "to": q, "normals": [0, 0, 1]} for p, q in ("ab", "bc", "cd", "da")},
+        "patches": {"sheet": sheet}, "materials": {name: {"width": 900} for name in ("felt", "lining", "foam")},
+    }  # fmt: skip
+    file = tmp_path / "project.yaml"
+    file.write_text(yaml.safe_dump(content))
+    project = load_project(file)
+    network = make_network(project, None)
+    [patch] = network.patches
+    side = len(patch.boundary.vertices) // 4
+    cut = draw_cut(CutPlaces(patch.boundary), 0, 2 * side, 12.0, None)  # from a to c
+    divided, (one, other) = divide_by(network, patch, cut)
+    [whole, *made] = fit_all([patch, one, other])
+    trial = Trial(cut, divided, one.boundary.stretches[-1].seam, (one, other), tuple(made))
+    said = paste(project, Diagnosis(network, patch, whole, (trial,)))
+    pasted = yaml.safe_load(said)
+    assert "e-1" not in said  # no round-off of zeros
+    parts = pasted["patches"].values()
+    assert "# min_angle is left out where the seam divides the corner: a, c" in said
+    assert "# marks that are given to both parts, as they may lie on either: h_a, h_c, line" in said
+    assert {tuple(part["min_angle"].items()) for part in parts} == {(("b", 80),), (("d", 80),)}
+    for part in parts:
+        [corner] = part["min_angle"]
+        assert part["also"] == {"lining": {"allowance": 6}, "foam": {"cut": 2, "mirrored": 0}}
+        assert (part["wrinkles"], part["planar_boundary"]) == ("expected", "simple")
+        assert set(part["marks"]) == {f"h_{corner}", "h_a", "h_c", "line"}
+        assert part["marks"][f"h_{corner}"] == holes[f"h_{corner}"]
+        assert part["marks"]["line"] == sheet["marks"]["line"]
+    content["curves"] |= pasted["curves"]
+    content["patches"] = pasted["patches"]
+    file.write_text(yaml.safe_dump(content))
+    assert [p.name for p in make_network(load_project(file), None).patches] == ["sheet_1", "sheet_2"]
 
 
 def test_auto_split_delivers_the_parts_with_their_seam(tmp_path):
