@@ -4,17 +4,19 @@ from __future__ import annotations
 
 import os
 import re
-from dataclasses import dataclass
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from itertools import islice
 from pathlib import Path
 
 import numpy as np
 from numpy.typing import NDArray
 
 from flatnet.export.output import OutputError
-from flatnet.forms import ReferenceSurface, make_surface
-from flatnet.geometry.triangles import unit
+from flatnet.forms import make_surface
+from flatnet.forms.smooth_squares import smooth_squares
 from flatnet.network.listing import FaceList, ListedFace, list_faces
-from flatnet.project import Project, load_project
+from flatnet.project import Project, ProjectError, load_project
 from flatnet.project.drawings import READERS, DrawingError, read_drawing
 from flatnet.project.loader import parse_project
 from flatnet.project.values import UNITS
@@ -34,8 +36,8 @@ DENSE = 0.5
 CORNER = np.radians(30.0)
 #: Extent of a drawing below which its unit is doubtful, mm.
 SMALL = 20.0
-#: Side of the first patch on a mesh, over the extent of the mesh.
-SQUARE = 0.1
+#: So many places on a mesh are tried for its first patch.
+MOST_TRIED = 12
 #: Width of the first material, mm, but no less than the largest face's outline is long (so that its piece fits
 #: whichever way it lies), and no more than some times that.
 WIDTH, LARGEST_ROLL = 1500.0, 4.0
@@ -92,6 +94,8 @@ def faces(source: str | Path, out: str | Path | None = None, options: DrawingOpt
 def new(out: str | Path, mesh: str | Path | None = None, units: str = "", up: str = "") -> Started:
     """Write a project to start from: on a mesh, with one patch drawn on it; without, a square of cloth over a bump.
 
+    Of the faces only the patch is listed and drawn: what is left of the mesh around it is no concern of a beginner's.
+
     Raises
     ------
     ProjectError
@@ -101,11 +105,12 @@ def new(out: str | Path, mesh: str | Path | None = None, units: str = "", up: st
     """
     file = Path(out)
     _refuse_existing(file)
-    text = EXAMPLE if mesh is None else _mesh_project(file, Path(mesh), units, up)
-    project = parse_project(file, text)
-    listed = list_faces(project, make_surface(project))
-    _write(file, text)
-    return _started(project, listed, [file], file.with_name(f"{file.stem}-faces.png"))
+    if mesh is not None:
+        return _mesh_project(file, Path(mesh), units, up)
+    project = parse_project(file, EXAMPLE)
+    listed = list_faces(project, None)
+    _write(file, EXAMPLE)
+    return _started(project, listed, [file], file.with_name(f"{file.stem}-faces.png"), [])
 
 
 #: A project that builds, with a word on everything in it.
@@ -131,8 +136,8 @@ materials:
 """
 
 
-def _mesh_project(file: Path, mesh: Path, units: str, up: str) -> str:
-    """A project with four nodes on a mesh round one of its outermost points, and the patch between them."""
+def _mesh_project(file: Path, mesh: Path, units: str, up: str) -> Started:
+    """Write a project with a patch where the mesh is smooth, or with the mesh alone where no place for one is found."""
     said = {"mesh": _quoted(os.path.relpath(mesh, file.parent or ".")), "units": units, "up": up}
     head = "\n".join(
         ["flatnet: 1", f"name: {_quoted(mesh.stem)}", "surface:", *(f"  {k}: {v}" for k, v in said.items() if v), ""]
@@ -141,18 +146,58 @@ def _mesh_project(file: Path, mesh: Path, units: str, up: str) -> str:
     probe = parse_project(file, f"{head}edge_length: 1\ncurves: {{a: {{points: [[0, 0, 0], [1, 0, 0], [0, 1, 0]]}}}}\n")
     surface = make_surface(probe)
     assert surface is not None, "the project names a mesh"
-    corners = _flattest_square(surface, *surface.mesh.bounds)
+    sizes = np.ptp(surface.mesh.bounds, axis=0)
+    lines = [f"mesh: {' x '.join(f'{size:.4g}' for size in sizes)} mm, {len(surface.mesh.faces)} triangles"]
+    if sizes.max() < SMALL:
+        lines.append("warning: that is small; if the mesh's unit is another, say --units")
+    for corners in islice(smooth_squares(surface), MOST_TRIED):
+        # Edges that more than two faces share stop geodesics, but no projection.
+        for kind in ("geodesic", ""):
+            text = _patch_on_mesh(head, corners, kind)
+            project = parse_project(file, text)
+            try:
+                listed = list_faces(project, surface)
+            except ProjectError:
+                continue
+            if [face.fault for face in listed.faces if face.kind == "patch"] == [""]:
+                _write(file, text)
+                return _started(project, listed, [file], file.with_name(f"{file.stem}-faces.png"), lines)
+    edge_length = _round(float(sizes.max()) / EDGES_ROUND)
+    _write(file, f"{head}edge_length: {edge_length:g}    # mm: target length of mesh edges\n{SURFACE_ALONE}")
+    lines.append(f"no smooth place for a first patch was found: draw curves on the mesh under `curves:` in {file}")
+    return Started((*lines, str(file)), (file,))
+
+
+#: What follows the surface where no patch is drawn on it.
+SURFACE_ALONE = """\
+# Points on the mesh, the ways between them on it, and the patch between those; docs/project-file.md has all kinds:
+# nodes:
+#   a: {at: [0, 0, 0], on: surface}    # and b, c: points near the mesh, moved to it
+# curves:
+#   one: {kind: geodesic, from: a, to: b}    # and two from b to c, three from c to a
+# patches:
+#   first: {around: [one, two, three]}
+# rest: openings
+materials:
+  cloth: {width: 1500, gap: 3, allowance: 10}    # mm
+"""
+
+
+def _patch_on_mesh(head: str, corners: Floats, kind: str) -> str:
+    """The project with a patch between four points of the mesh, (4, 3) mm, and curves of a kind; "": projected."""
     side = float(np.linalg.norm(corners[1] - corners[0]))
     places = [f"[{', '.join(f'{x:.6g}' for x in corner)}]" for corner in corners]
     nodes = [f"  {name}: {{at: {place}, on: surface}}" for name, place in zip("abcd", places)]
     sides = zip(("one", "two", "three", "four"), "abcd", "bcda")
-    curves = [f"  {name}: {{from: {start}, to: {end}, on: surface}}" for name, start, end in sides]
+    how = f"kind: {kind}" if kind else "on: surface"
+    curves = [f"  {name}: {{from: {start}, to: {end}, {how}}}" for name, start, end in sides]
+    drawn = "the straightest ways on the surface" if kind else "projected onto the surface"
     return "\n".join(
         [
             f"{head}edge_length: {_round(side / 10.0):g}    # mm: target length of mesh edges",
             "nodes:    # corners, moved to the nearest point of the surface",
             *nodes,
-            "curves:    # projected onto the surface; their normals are its own",
+            f"curves:    # {drawn}; their normals are its own",
             *curves,
             "patches:    # faces by the loop around them, anticlockwise seen from outside",
             "  first: {around: [one, two, three, four]}",
@@ -161,26 +206,6 @@ def _mesh_project(file: Path, mesh: Path, units: str, up: str) -> str:
             "",
         ]
     )
-
-
-def _flattest_square(surface: ReferenceSurface, low: Floats, high: Floats) -> Floats:
-    """Corners of a square on a surface, anticlockwise seen from outside, where its normals differ least, (4, 3) mm.
-
-    Tried round the points nearest to the middles of its bounding box's sides.
-    """
-    side = SQUARE * float((high - low).max())
-    sides = np.concatenate([np.eye(3), -np.eye(3)]) * 0.5 * (high - low) + 0.5 * (low + high)
-    middles, normals = surface.nearest(sides)
-    best, agreement = np.zeros((4, 3)), -np.inf
-    for middle, normal in zip(middles, normals):
-        x = unit(np.cross(np.eye(3)[np.abs(normal).argmin()], normal))
-        y = np.cross(normal, x)
-        corners, around = surface.nearest(middle + 0.5 * side * np.array([-x - y, x - y, x + y, y - x]))
-        lengths = np.linalg.norm(np.roll(corners, -1, axis=0) - corners, axis=1)
-        agrees = float((around @ normal).min()) + float(lengths.min()) / side  # beyond an edge corners fall together
-        if agrees > agreement:
-            best, agreement = corners, agrees
-    return best
 
 
 def _drawn_project(source: Path, file: Path, options: DrawingOptions) -> tuple[Project, str]:
@@ -274,8 +299,13 @@ def _face_line(face: ListedFace) -> str:
     return f"  {face.name}: {{around: {face.around}}}    # {face.length:.4g} mm around{fault}"
 
 
-def _started(project: Project, listed: FaceList, written: list[Path], picture: Path) -> Started:
-    lines = []
+def _started(
+    project: Project, listed: FaceList, written: list[Path], picture: Path, about: Sequence[str] | None = None
+) -> Started:
+    """What is told of a project that is started: every face; or lines `about` it, and of the faces its patches."""
+    lines = list(about or [])
+    if about is not None:
+        listed = replace(listed, faces=tuple(face for face in listed.faces if face.kind == "patch"))
     for kind, title in (("patch", "patches, listed:"), ("opening", "openings, listed:")):
         known = [face for face in listed.faces if face.kind == kind]
         lines += [title, *map(_face_line, known)] if known else []
@@ -289,7 +319,7 @@ def _started(project: Project, listed: FaceList, written: list[Path], picture: P
             "one of several loops of a face, around: [[...], [...]]"
         )
     extent = float(np.ptp(np.concatenate([face.outline for face in listed.faces]), axis=0).max())
-    if written and extent < SMALL:
+    if about is None and written and extent < SMALL:
         lines.append(f"warning: the drawing is {extent:.3g} mm across; if its unit is another, say --units")
     try:
         written = [*written, draw_faces(listed, picture)]

@@ -2,6 +2,7 @@
 
 import subprocess
 import sys
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -11,7 +12,7 @@ from written import read_report
 
 from flatnet import build, check
 from flatnet.cli import main
-from flatnet.project import load_project
+from flatnet.project import ProjectError, load_project
 from flatnet.start import DrawingOptions, faces
 
 
@@ -155,8 +156,9 @@ def test_dense_points_become_splines_unless_they_have_corners(tmp_path):
     assert {curve.kind for curve in load_project(tmp_path / "zigzag.yaml").curves.values()} == {"polyline"}
 
 
-def test_a_first_example(tmp_path):
+def test_a_first_example(tmp_path, capsys):
     assert main(["new", str(tmp_path / "first.yaml")]) == 0
+    assert capsys.readouterr().out.split("\n")[0] == "patches, listed:"
     assert build(tmp_path / "first.yaml", tmp_path / "out").exit_status == 0
 
 
@@ -174,6 +176,48 @@ def test_a_patch_on_a_mesh(mesh, tmp_path):
     assert result.exit_status == 0
     [patch] = result.report["patches"]
     assert patch["metrics"]["surface_distance_mm"]["max"] < 1.05  # its half diagonal's sagitta on the ball: 1 mm
+
+
+STATUE = Path(__file__).parents[1] / "projects" / "moai" / "statue.obj"
+
+
+def test_a_patch_on_a_figure_lies_where_it_is_smooth_and_nothing_alarms(tmp_path, capsys):
+    """The middles of its box's sides lie far off it, at arms and folds."""
+    file = tmp_path / "first.yaml"
+    assert main(["new", str(file), "--mesh", str(STATUE)]) == 0
+    lines = capsys.readouterr().out.split("\n")
+    assert lines[0] == "mesh: 1557 x 1022 x 4000 mm, 10630 triangles"
+    assert lines[1] == "patches, listed:" and lines[2].startswith("  first: {around: [one, two, three, four]}")
+    assert lines[3:] == ["statue: 1 face", str(file), str(tmp_path / "first-faces.png"), ""]
+    result = build(file, tmp_path / "out", workers=1)
+    assert result.exit_status == 0
+    [patch] = result.report["patches"]
+    # An arc whose ends turn by 50 degrees rises tan 25 degrees times half its chord, here half of 4000 mm / 10 sqrt 2.
+    assert patch["metrics"]["surface_distance_mm"]["max"] < 200.0 * np.sqrt(2.0) * np.tan(np.radians(25.0))
+
+
+def test_where_edges_belong_to_three_faces_the_curves_are_projected(tmp_path):
+    box = trimesh.creation.box((200, 300, 100))
+    fin = trimesh.Trimesh([*box.vertices[box.edges[0]], (0, 0, 300)], [[0, 1, 2]])
+    trimesh.util.concatenate([box, fin]).export(tmp_path / "box.stl")
+    assert main(["new", str(tmp_path / "first.yaml"), "--mesh", str(tmp_path / "box.stl")]) == 0
+    assert "geodesic" not in (tmp_path / "first.yaml").read_text()
+    assert not check(tmp_path / "first.yaml")[1].failed
+
+
+def test_a_mesh_without_a_smooth_place_gets_no_patch(tmp_path, capsys):
+    """Triangles in all directions that hang together nowhere."""
+    random = np.random.default_rng(0)
+    corners = np.repeat(random.normal(0.0, 100.0, (40, 3)), 3, axis=0) + random.normal(0.0, 2.0, (120, 3))
+    trimesh.Trimesh(corners, np.arange(120).reshape(40, 3)).export(tmp_path / "shreds.stl")
+    file = tmp_path / "first.yaml"
+    assert main(["new", str(file), "--mesh", str(tmp_path / "shreds.stl")]) == 0
+    assert "no smooth place for a first patch was found: draw curves on the mesh" in capsys.readouterr().out
+    # Curves are all that is missing.
+    with pytest.raises(ProjectError, match="curves"):
+        check(file)
+    file.write_text(file.read_text() + "curves: {a: {points: [[0, 0, 0], [50, 0, 0], [0, 50, 0]], closed: true}}\n")
+    assert load_project(file).surface is not None
 
 
 @pytest.mark.parametrize(
