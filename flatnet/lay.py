@@ -11,8 +11,9 @@ from pathlib import Path
 import numpy as np
 
 from flatnet.build import STORED_LAYOUT, BuildResult, Progress, layout_files
+from flatnet.export.file_names import safe_file_names
 from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder
-from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
+from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces, write_pieces
 from flatnet.export.svg import write_layout
 from flatnet.failure import Finding
 from flatnet.nesting.instance import read_instance
@@ -77,11 +78,22 @@ def lay(
             absent = [*(finding.patch for finding in unmade), *(name for name in wanted if name in missing)]
             write_layout(output.staging / file, layout, title, absent)
         write_stored(output.staging / STORED_LAYOUT, layouts)
-        files = sorted([*named, STORED_LAYOUT, REPORT])
+        write_pieces(output.staging / PIECES, _piece_file(title, pieces, materials))
+        files = sorted([*named, PIECES, STORED_LAYOUT, REPORT])
         report = _report(title, pieces, named, findings, files)
         (output.staging / REPORT).write_text(json.dumps(report, indent=1) + "\n", encoding="utf-8")
         output.commit(files)
     return BuildResult(output.folder, report)
+
+
+def _piece_file(title: str, pieces: Sequence[Piece], materials: Sequence[Material]) -> PieceFile:
+    """All pieces for `flatnet export`; one that is cut from a second material has that in its file's name."""
+    names: list[str] = []
+    for piece in pieces:
+        names.append(f"{piece.name} {piece.material}" if piece.name in names else piece.name)
+    safe = safe_file_names(names)
+    named = {safe[name]: piece for name, piece in zip(names, pieces, strict=True)}
+    return PieceFile(title, "", {material.name: material for material in materials}, named)
 
 
 def _told(progress: Progress, done: int, total: int, text: str) -> None:
@@ -139,7 +151,7 @@ def _read_builds(
     prefixes = [title if titles.count(title) == 1 else f"{title} {at}" for at, title in enumerate(titles, 1)]
     names = ["" if len(builds) == 1 else f"{prefix}: " for prefix in prefixes]
     pieces = [
-        replace(piece, name=f"{name}{piece.name}")
+        _prefixed(piece, name)
         for name, build in zip(names, builds)
         for piece in build.pieces.values()
     ]
@@ -166,6 +178,28 @@ def _unmade(folder: Path, build: PieceFile) -> list[Finding]:
         ]
     except (OSError, ValueError, KeyError, TypeError) as error:
         raise LayError(f"{file}: not the report of a build: {type(error).__name__}: {error}; build again") from None
+
+
+def _prefixed(piece: Piece, prefix: str) -> Piece:
+    """A piece and its seams with a prefix before their names: those of two builds are told apart."""
+
+    def prefixed(name: str) -> str:
+        return f"{prefix}{name}"
+
+    runs = tuple(
+        replace(
+            run,
+            seam=replace(run.seam, name=prefixed(run.seam.name), patches=tuple(map(prefixed, run.seam.patches))),
+        )
+        for run in piece.seams
+    )
+    return replace(
+        piece,
+        name=prefixed(piece.name),
+        seams=runs,
+        notches=tuple(replace(notch, seam=prefixed(notch.seam)) for notch in piece.notches),
+        nicks=tuple(replace(nick, seam=prefixed(nick.seam)) for nick in piece.nicks),
+    )
 
 
 def _materials_of(sources: Sequence[Path], builds: Sequence[PieceFile]) -> dict[str, Material]:

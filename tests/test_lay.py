@@ -11,7 +11,7 @@ from written import read_report
 
 from flatnet.cli import main
 from flatnet.export.drawn_layout import read_layout
-from flatnet.export.pieces_json import PieceFile, write_pieces
+from flatnet.export.pieces_json import PieceFile, read_pieces, write_pieces
 from flatnet.failure import Finding
 from flatnet.lay import LayError, lay
 from flatnet.nesting.instance import InstanceError, read_instance
@@ -129,6 +129,55 @@ def test_two_sizes_are_laid_together(tmp_path):
     (drawn,) = [p.lines["cut"][0] for p in pieces if (p.patch, p.mirrored) == (sizes[1], True)]
     expected = piece(1.4 * LETTER_F, material).area
     assert shapely.Polygon(drawn).area == pytest.approx(expected, rel=1e-5)
+
+
+TWO_DIMENSIONAL = "svg,dxf,dxf-astm,dxf-aama,pdf,pdf-a4,hpgl,cutlist"
+
+
+def test_a_layout_of_two_builds_is_exported_in_two_dimensions(tmp_path, capsys):
+    """Seams of one name and number in both builds stay apart; what needs meshes is refused, and so is verify."""
+    material = cloth(width=450.0, gap=2.0, allowance=5.0)
+    builds = [
+        written_build(tmp_path / size, factor * LETTER_F, "letters", size, material)
+        for size, factor in (("S", 1.0), ("L", 1.4))
+    ]
+    out = tmp_path / "out"
+    lay(builds, out, QUICK)
+    content = read_pieces(out / "pieces.json")
+    assert content.project == "letters · S + letters · L"
+    for size, factor in (("S", 1.0), ("L", 1.4)):
+        name = f"letters · {size}"
+        (written,) = [each for each in content.pieces.values() if each.name == f"{name}: front"]
+        assert np.array_equal(written.cut_line, piece(factor * LETTER_F, material, name="front").cut_line)
+        assert [run.seam.name for run in written.seams] == [f"{name}: seam_{i}" for i in range(len(LETTER_F))]
+        assert {patch for run in written.seams for patch in run.seam.patches} == {f"{name}: front"}
+    assert main(["export", str(out), "--format", TWO_DIMENSIONAL]) == 0
+    exported = {file for file in read_report(out)["files"] if file.startswith("exports/")}
+    assert {"exports/layout-cloth-a4.pdf", "exports/layout-cloth.plt", "exports/pattern-astm.dxf"} <= exported
+    placed = [(p.patch, p.linear.tolist(), p.shift.tolist()) for p in read_layout(out / "layout-cloth.svg")]
+    layers = read_layout(out / "exports" / "layout-cloth.svg")
+    assert all((p.patch, p.linear.tolist(), p.shift.tolist()) in placed for p in layers if "cut" in p.lines)
+    rows = (out / "exports" / "cut-list.csv").read_text(encoding="utf-8-sig").splitlines()
+    assert [row.split(",")[1:5] for row in rows[1:]] == [[f"letters · {s}: front", "cloth", "1", "1"] for s in "SL"]
+    capsys.readouterr()
+    assert main(["export", str(out), "--format", "dxf,glb,sewing"]) == 2
+    assert "has no meshes and no sewing to write as glb, sewing; export that from each" in capsys.readouterr().err
+    assert main(["verify", str(out)]) == 2
+    assert "verify those that it was made of" in capsys.readouterr().err
+    assert not (out / "certificate.json").exists()
+
+
+def test_a_layout_of_a_problem_is_exported_too(instance, tmp_path, capsys):
+    out = tmp_path / "out"
+    assert main(["nest", str(instance), "-o", str(out), "--seconds", "1"]) == 0
+    assert main(["export", str(out), "--format", TWO_DIMENSIONAL]) == 0
+    # what a version wrote that kept no pieces
+    report = read_report(out)
+    report["files"].remove("pieces.json")
+    (out / "report.json").write_text(json.dumps(report))
+    capsys.readouterr()
+    assert main(["export", str(out), "--format", "pdf-a4"]) == 2
+    assert "run `flatnet nest` again" in capsys.readouterr().err
 
 
 def test_builds_of_different_materials_of_one_name_are_refused(tmp_path):

@@ -125,6 +125,9 @@ EXPORTERS: dict[str, Exporter] = {
 }
 
 
+#: Formats that are made of meshes, or of the seams between patches: a layout of several builds has neither.
+OF_BUILDS = ("obj", "glb", "ply", "sewing", "garmentcode")
+
 #: Format -> modules that it needs beyond those that every installation has.
 LIBRARIES = {
     "dxf": ("ezdxf",),
@@ -175,6 +178,12 @@ def write_exports(folder: Path, formats: Sequence[str], target: Path, certificat
     """
     require_libraries(formats)
     build = read_written(folder, certificate)
+    refused = [name for name in formats if build.is_layout and name in OF_BUILDS]
+    if refused:
+        raise ExportError(
+            f"{folder}: is a layout that `flatnet nest` made, of pieces alone: it has no meshes and no sewing to write "
+            f"as {', '.join(refused)}; export that from each of the builds"
+        )
     if not build.pieces:
         raise ExportError(f"{folder}: no piece was made, so there is nothing to export")
     done = Exported()

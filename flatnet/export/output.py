@@ -20,6 +20,8 @@ from filelock import FileLock
 #: What a report says of itself; a folder with such a report is one of ours.
 REPORT_FORMAT = "flatnet-report/1"
 REPORT = "report.json"
+#: Curves and nodes of a build; a layout of several builds has none.
+NETWORK = "network.json"
 #: Of every vertex of every patch, how far it lies outside the reference surface, mm.
 HEIGHTS = "surface_distance.json"
 #: What `flatnet verify` adds to a build; of another build it would be a lie.

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
-from flatnet.export.output import CERTIFICATE, REPORT, REPORT_FORMAT
+from flatnet.export.output import CERTIFICATE, NETWORK, REPORT, REPORT_FORMAT
 from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
 from flatnet.geometry.chains import boundary_edges
 from flatnet.nesting.layout import Layout, Placement
@@ -77,7 +77,14 @@ class WrittenBuild:
     @property
     def missing(self) -> tuple[str, ...]:
         """The patches that were not made or not laid out."""
+        if self.is_layout:
+            return tuple(dict.fromkeys(found["patch"] for found in self.report["findings"] if found["patch"]))
         return tuple(record["name"] for record in self.report["patches"] if record["status"] != "ok")
+
+    @property
+    def is_layout(self) -> bool:
+        """Whether it is what `flatnet nest` wrote: pieces and sheets without meshes."""
+        return _is_layout(self.report)
 
     @cached_property
     def meshes(self) -> tuple[FittedMesh, ...]:
@@ -103,12 +110,18 @@ def read_written(folder: Path, certificate: bool = False) -> WrittenBuild:
     report = _read(folder / REPORT, _json)
     if not isinstance(report, dict) or report.get("format") != REPORT_FORMAT:
         raise ExportError(f"{folder / REPORT}: not a report of this version; build again")
+    if _is_layout(report) and PIECES not in report["files"]:
+        raise ExportError(f"{folder}: is a layout of an earlier version, without {PIECES}; run `flatnet nest` again")
     content = _read(folder / PIECES, read_pieces)
     try:
         sheets = tuple(_sheets(report["layouts"], content))
     except (KeyError, TypeError, ValueError) as error:
         raise ExportError(f"{folder / REPORT}: does not fit {PIECES}, {error}; build again") from None
     return WrittenBuild(folder, report, content, sheets, _certificate(folder / CERTIFICATE) if certificate else None)
+
+
+def _is_layout(report: Mapping[str, Any]) -> bool:
+    return not report.get("patches") and NETWORK not in report.get("files", ())
 
 
 def _certificate(path: Path) -> Mapping[str, Any]:

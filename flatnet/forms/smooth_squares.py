@@ -42,7 +42,7 @@ def smooth_squares(surface: ReferenceSurface) -> Iterator[Floats]:
     last = SAMPLES - 1
     for part in SIDES:
         side = part * float((high - low).max())
-        found = []
+        found: list[tuple[float, float, int, Floats]] = []
         for middle, normal, x, y in zip(middles, normals, along, across):
             flat = middle + side * (u * x + v * y)
             feet, around = surface.nearest(flat)

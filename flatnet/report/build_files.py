@@ -13,11 +13,9 @@ import numpy as np
 from flatnet.export.drawn_layout import DrawnPiece, read_layout
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
-from flatnet.export.output import HEIGHTS, REPORT, REPORT_FORMAT
+from flatnet.export.output import HEIGHTS, NETWORK, REPORT, REPORT_FORMAT
 from flatnet.fitting.results import Floats, Ints, SurfaceMesh
 from flatnet.geometry.chains import boundary_edges
-
-NETWORK = "network.json"
 
 _Content = TypeVar("_Content")
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from flatnet.verify.build import Findings, WrittenBuild, read_build
+from flatnet.verify.build import NETWORK, Findings, WrittenBuild, read_build
 from flatnet.verify.certificate import Certificate
 from flatnet.verify.exports import check_exports
 from flatnet.verify.figures import check_figures
@@ -34,6 +34,11 @@ def verify(out: str | Path) -> Certificate:
         if REPORT_FORMAT not in files.text(REPORT):
             raise NotABuildError(f"{folder / REPORT}: is no report of the format '{REPORT_FORMAT}'; build again")
         report = Record(REPORT, files.json(REPORT))
+        if not report.lists("patches") and NETWORK not in report.texts("files"):
+            raise NotABuildError(
+                f"{folder}: is a layout that `flatnet nest` made, and this checks builds: verify those that it was "
+                "made of (each layout was checked when it was made); nothing was written"
+            )
         project = report.text("project")
         _check(files, report, findings)
     certificate = Certificate(project, tuple(findings), files.hashes)
