@@ -82,7 +82,8 @@ def _export(commands: Commands) -> None:
     text = f"one or more, with commas between: {', '.join(EXPORT_FORMATS)}"
     command.add_argument("--format", type=_formats, required=True, metavar="FORMAT", help=text)
     command.add_argument("-o", "--out", type=Path, metavar="DIR", help="folder to write to (default: OUT/exports)")
-    command.add_argument("--certificate", action="store_true", help="PDFs end with what `flatnet verify` certified")
+    text = "PDFs end with what `flatnet verify` certified; needs -o with a folder outside OUT"
+    command.add_argument("--certificate", action="store_true", help=text)
 
 
 def _verify(commands: Commands) -> None:

@@ -18,7 +18,7 @@ from flatnet.export.hpgl import write_hpgl
 from flatnet.export.lists import write_cut_list, write_material_list
 from flatnet.export.missing_library import needs
 from flatnet.export.model_3d import write_model_glb, write_model_obj, write_model_ply
-from flatnet.export.output import REPORT
+from flatnet.export.output import CERTIFICATE, REPORT
 from flatnet.export.pdf import PAPERS, Pages, draw_certificate, draw_full_size, draw_tiles
 from flatnet.export.sewing import write_sewing
 from flatnet.export.svg import seam_table, write_layout, write_piece
@@ -197,7 +197,8 @@ def export(
 ) -> Exported:
     """Write formats of the build in `folder` into `target`, by default its folder `exports`: all of them or none.
 
-    What is written inside the build's folder is added to the files that its report lists.
+    What is written inside the build's folder is added to the files that its report lists; a certificate that is there
+    speaks of the build as it was before, so that PDFs which end with it go to another folder.
 
     Raises
     ------
@@ -205,6 +206,14 @@ def export(
         As `write_exports`, or the target can't be written.
     """
     target = folder / EXPORTS if target is None else target
+    inside = target.resolve().is_relative_to(folder.resolve())
+    if certificate and not any(name.startswith("pdf") for name in formats):
+        raise ExportError("a certificate is printed at the end of PDFs: add one of them to --format, such as pdf-a4")
+    if certificate and inside:
+        raise ExportError(
+            f"{target}: lies in the build, and what is added there changes the files that the certificate speaks of; "
+            "name a folder outside it with -o"
+        )
     try:
         with tempfile.TemporaryDirectory(prefix="flatnet-export-") as staging:
             done = write_exports(folder, formats, Path(staging), certificate)
@@ -212,8 +221,10 @@ def export(
             for name in done.files:
                 (target / name).parent.mkdir(parents=True, exist_ok=True)
                 shutil.move(Path(staging) / name, target / name)
-        if target.resolve().is_relative_to(folder.resolve()):
+        if inside:
             _list_in_report(folder, [(target / name).resolve() for name in done.files])
+            if (folder / CERTIFICATE).is_file():
+                done.notes.append(f"{CERTIFICATE} is older than these files: run `flatnet verify {folder}` again")
     except OSError as error:
         raise ExportError(f"{target}: can't be written: {error.strerror or error}; name another with -o") from None
     return done

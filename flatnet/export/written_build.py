@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import hashlib
 import json
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -103,7 +104,8 @@ def read_written(folder: Path, certificate: bool = False) -> WrittenBuild:
     Raises
     ------
     ExportError
-        There is no build in the folder, or a file of it is missing or is not what a build wrote.
+        There is no build in the folder, or a file of it is missing or is not what a build wrote, or has changed since
+        the certificate was made.
     """
     if not (folder / REPORT).is_file():
         raise ExportError(f"{folder}: holds no {REPORT} of a build; run `flatnet build` into it first")
@@ -128,7 +130,22 @@ def _certificate(path: Path) -> Mapping[str, Any]:
     if not path.is_file():
         raise ExportError(f"{path}: is not there; run `flatnet verify {path.parent}` first")
     content: Mapping[str, Any] = _read(path, _json)
+    try:
+        changed = [name for name, digest in content["sha256"].items() if _digest(path.parent / name) != digest]
+    except (AttributeError, KeyError, TypeError):
+        raise ExportError(f"{path}: no certificate of this version; run `flatnet verify {path.parent}` again") from None
+    if REPORT not in content["sha256"] or changed:
+        which = ", ".join(changed[:3]) + (f" and {len(changed) - 3} more" if len(changed) > 3 else "")
+        raise ExportError(
+            f"{path}: speaks of other files than those that are here ({which or REPORT} changed since); run "
+            f"`flatnet verify {path.parent}` again"
+        )
     return content
+
+
+def _digest(path: Path) -> str:
+    """SHA-256; "" where there is no such file."""
+    return hashlib.sha256(path.read_bytes()).hexdigest() if path.is_file() else ""
 
 
 def _json(path: Path) -> Any:

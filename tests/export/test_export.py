@@ -1,6 +1,8 @@
 """The command `flatnet export`, and what a build exports by itself; notches, marks and letters of a small project."""
 
+import hashlib
 import json
+import shutil
 import sys
 from dataclasses import replace
 from pathlib import Path
@@ -161,8 +163,9 @@ def test_the_certificate_is_the_last_page(out, tmp_path, capsys):
     if not (out / "certificate.json").exists():
         assert main(arguments) == 2
         assert "flatnet verify" in capsys.readouterr().err
+    digest = hashlib.sha256((out / "report.json").read_bytes()).hexdigest()
     certificate = {
-        "project": "square", "passed": True, "problems": [], "sha256": {"report.json": "0123abcd"},
+        "project": "square", "passed": True, "problems": [], "sha256": {"report.json": digest},
         "checks": [{"check": "edge lengths", "things": 7, "failed": 0, "worst": 1e-9, "allowed": 1e-6, "unit": "mm"}],
     }
     (out / "certificate.json").write_text(json.dumps(certificate))
@@ -172,7 +175,27 @@ def test_the_certificate_is_the_last_page(out, tmp_path, capsys):
         (out / "certificate.json").unlink()
     text = pypdf.PdfReader(tmp_path / "layout-cloth-a4.pdf").pages[-1].extract_text()
     assert "all checks passed" in text and "edge lengths: 7 checked, ok; worst 1e-09 of 1e-06 mm" in text
-    assert "0123abcd  report.json" in text
+    assert f"{digest}  report.json" in text
+
+
+def test_a_certificate_of_other_files_is_not_printed(out, tmp_path, capsys):
+    """Nor where the export itself would make it one, or where there is no page to print it on."""
+    copy = shutil.copytree(out, tmp_path / "copy")
+    arguments = ["export", str(copy), "--certificate", "--format"]
+    assert main(["verify", str(copy)]) == 0
+    assert main([*arguments, "pdf-a4", "-o", str(tmp_path / "pdf")]) == 0
+    capsys.readouterr()
+    assert main([*arguments, "pdf-a4"]) == 2
+    assert "name a folder outside it with -o" in capsys.readouterr().err
+    assert main([*arguments, "dxf", "-o", str(tmp_path / "dxf")]) == 2
+    assert "a certificate is printed at the end of PDFs" in capsys.readouterr().err
+    assert export(copy, "cutlist") == 0
+    assert "certificate.json is older than these files" in capsys.readouterr().out
+    assert main([*arguments, "pdf-a4", "-o", str(tmp_path / "stale")]) == 2
+    assert "report.json changed since); run `flatnet verify" in capsys.readouterr().err
+    assert not (tmp_path / "stale").exists() and not (tmp_path / "dxf").exists()
+    assert main(["verify", str(copy)]) == 0
+    assert main([*arguments, "pdf-a4", "-o", str(tmp_path / "fresh")]) == 0
 
 
 @pytest.mark.parametrize("name", ["ezdxf", "reportlab", "anyascii", "pygltflib"])
