@@ -16,6 +16,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+import shapely
 import svgwrite
 from numpy.typing import NDArray
 from svgwrite.container import Group
@@ -24,7 +25,7 @@ from svgwrite.extensions import Inkscape
 from flatnet.export.lines import KINDS, piece_labels, sheet_outline
 from flatnet.nesting.layout import Layout, Placement, turn
 from flatnet.parameters import STROKES
-from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head, text_width
+from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head, name_label, room_for_text, text_width
 from flatnet.pattern.piece import Piece
 
 Floats = NDArray[np.float64]
@@ -36,6 +37,8 @@ TITLE_HEIGHT = 6.0  # mm, on a small page
 TITLE_PART = 0.01  # the title's height as a part of a long page's length, to be read when all of it is seen
 TABLE_HEIGHT = 4.0  # mm, of the text in the table of seams
 TITLE_LETTERS = 90  # in a line of the title
+#: Colour that the defects of a hide are filled with.
+DEFECT = "#d8d8d8"
 #: The layers of a drawing by meaning, and the order in which they are drawn: what is cut through comes last.
 LAYERS = ("text", *KINDS)
 
@@ -75,7 +78,7 @@ def write_layout(
     if missing:
         title.append(f"INCOMPLETE: missing {', '.join(missing)}")
     size = np.array([length, width])
-    _write_page(path, size, layout.placements, title, _sheet_lines(layout), strokes, by_meaning)
+    _write_page(path, size, layout.placements, title, _sheet_lines(layout), strokes, by_meaning, _zone_labels(layout))
 
 
 def _sheet_lines(layout: Layout) -> list[tuple[str, Floats]]:
@@ -85,6 +88,22 @@ def _sheet_lines(layout: Layout) -> list[tuple[str, Floats]]:
         lines += [("defect", np.array(ring)) for ring in layout.hide.defects]
         lines += [("zone", np.array(ring)) for _, ring in layout.hide.zones]
     return lines
+
+
+def _zone_labels(layout: Layout) -> list[Label]:
+    """The name of every quality zone of a hide, clear of pieces and defects where there is room."""
+    if layout.hide is None or not layout.hide.zones:
+        return []
+    taken = [shapely.Polygon(placement.place(placement.piece.cut_line)) for placement in layout.placements]
+    taken += [shapely.Polygon(ring) for ring in layout.hide.defects]
+    covered = shapely.union_all(taken)
+    labels = []
+    for name, ring in layout.hide.zones:
+        zone = shapely.Polygon(ring)
+        left = max(shapely.get_parts(zone.difference(covered)), key=lambda part: float(part.area), default=zone)
+        rooms = (room_for_text(part, ()) for part in (left, zone))
+        labels.append(name_label(f"zone {name}", (), next((room for room in rooms if not room.is_empty), zone)))
+    return labels
 
 
 def write_piece(
@@ -106,8 +125,9 @@ def _write_page(
     sheet: Sequence[tuple[str, Floats]],
     strokes: Mapping[str, str],
     by_meaning: bool,
+    labels: Sequence[Label] = (),
 ) -> None:
-    """A page with the sheet at its top left corner, below it the test square, the title and the table of seams."""
+    """A page with the sheet and its labels at its top left corner, below it test square, title and table of seams."""
     lines = [part for line in title for part in textwrap.wrap(line, TITLE_LETTERS)]
     letter = min(max(TITLE_HEIGHT, TITLE_PART * size[0]), 4.0 * TITLE_HEIGHT)
     rows = seam_table(placements)
@@ -124,7 +144,15 @@ def _write_page(
     page = drawing.add(inkscape.layer(label="sheet", id="sheet"))
 
     for kind, outline in sheet:
-        page.add(_path(drawing, "sheet", outline * (1.0, -1.0) + (0.0, size[1]))).update({"class": kind})
+        rim = _path(drawing, "sheet", outline * (1.0, -1.0) + (0.0, size[1]))
+        rim.update({"class": kind, "fill": DEFECT if kind == "defect" else "none"})
+        page.add(rim)
+    if labels:
+        on_sheet = page.add(drawing.g())
+        on_sheet.matrix(1.0, 0.0, 0.0, -1.0, 0.0, float(size[1]))  # y up
+        for label in labels:
+            for words in _label(drawing, label, np.diag([1.0, -1.0])):
+                on_sheet.add(words)
     square = np.array([[0, 0], [1, 0], [1, 1], [0, 1]]) * TEST_SQUARE + (MARGIN, top)
     page.add(_path(drawing, "sheet", square)).update({"class": "test-square"})
     centre = square.mean(axis=0)

@@ -40,9 +40,11 @@ def layout_lines(report: dict[str, Any], folder: Path) -> list[str]:
 
 
 def _sheet_line(layout: dict[str, Any], folder: Path) -> str:
+    hide = layout["hide"]
+    length = max(x for x, _ in hide["outline"]) if hide else layout["used_length_mm"]
     return (
-        f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {layout['sheet_width_mm']:g} x "
-        f"{layout['used_length_mm']:.0f} mm, {100 * layout['utilisation']:.1f} % used"
+        f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {'a hide of ' if hide else ''}"
+        f"{layout['sheet_width_mm']:g} x {length:.0f} mm, {100 * layout['utilisation']:.1f} % used"
         + (" (draft)" if layout["draft"] else "")
     )
 

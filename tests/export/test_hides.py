@@ -9,12 +9,13 @@ import numpy as np
 import pypdf
 import pytest
 from golden import same_lines
-from svgelements import SVG
+from svgelements import SVG, Text
 from svgelements import Path as SvgPath
 from test_golden import pdf_lines
 from written import READER_SCALE
 
 from flatnet.cli import main
+from flatnet.report.summary import summary_lines
 from flatnet.verify.verify import verify
 
 SMALL = [[0, 0], [90, 0], [90, 90], [0, 90]]
@@ -69,6 +70,23 @@ def test_svg_has_the_rims_of_the_hide(out):
     paths = [e for e in svg.elements() if isinstance(e, SvgPath) and e.values["class"] in ("sheet", "defect", "zone")]
     found = [np.array([[s.end.x, s.end.y] for s in path][:-1]) / READER_SCALE for path in paths]
     same_lines(found, [ring * [1.0, -1.0] + [0.0, 410.0] for ring in RINGS], 0.002)
+
+
+def test_svg_names_the_zone_inside_it_and_fills_the_defect(out):
+    for file in (out / "layout-leather-2.svg", out / "exports" / "layout-leather-2.svg"):
+        svg = SVG.parse(str(file), ppi=25.4)
+        (words,) = [e for e in svg.elements() if isinstance(e, Text) and e.text == "zone A"]
+        x, y = np.array([words.transform.e, words.transform.f]) / READER_SCALE
+        assert 100.0 < x < 420.0 and 80.0 < 410.0 - y < 370.0
+        linear = np.array([[words.transform.a, words.transform.c], [words.transform.b, words.transform.d]])
+        assert np.linalg.det(linear) > 0.0  # not mirrored
+        filled = [e.values["class"] for e in svg.elements() if isinstance(e, SvgPath) and e.fill.value is not None]
+        assert filled == ["defect"]
+
+
+def test_the_terminal_has_the_size_of_the_hide(out):
+    report = json.loads((out / "report.json").read_text())
+    assert any("1 piece on a hide of 410 x 500 mm, " in line for line in summary_lines(report, out))
 
 
 def test_pdf_has_the_rims_of_the_hide_on_its_page_and_on_every_tile(out):
