@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import yaml
@@ -39,6 +40,11 @@ def compose(file: Path, text: str) -> yaml.MappingNode:
         if r"'\t'" in said:
             said += "; that is a tab: indent with spaces"
         mark = error.problem_mark or error.context_mark
+        # What a colour without quotes leaves open, YAML misses only further down.
+        bare = _bare_colour(text.split("\n")[: mark.line + 1]) if mark else None
+        if bare is not None:
+            line, colour = bare
+            said += f"; in line {line} {colour} begins a comment: write a colour in quotes, '{colour}'"
         problem = Problem(_mark(mark) if mark else None, f"not valid YAML: {said}")
         raise ProjectError(file, [problem]) from error
     except yaml.reader.ReaderError as error:
@@ -55,6 +61,16 @@ def compose(file: Path, text: str) -> yaml.MappingNode:
         message = f"expected keys with values (name: ...) at the top of the file, got {describe(root)}"
         raise ProjectError(file, [Problem(mark_of(root), message)])
     return root
+
+
+#: A colour that stands as a value without quotes.
+_BARE_COLOUR = re.compile(r"[^#]*[:,\[]\s+(#[0-9a-fA-F]{6})\b")
+
+
+def _bare_colour(lines: Sequence[str]) -> tuple[int, str] | None:
+    """The last line with such a colour, counted from 1, and the colour."""
+    found = [(number, match[1]) for number, line in enumerate(lines, 1) if (match := _BARE_COLOUR.match(line))]
+    return found[-1] if found else None
 
 
 def read_text(file: Path) -> str:

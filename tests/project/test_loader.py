@@ -341,6 +341,7 @@ BAD = [
     ("patches:", "rest: openings\npatchs:", 9, 1, "nothing is left to make"),
     ("ca]}", "ca]", 11, 1, "not valid YAML: while parsing a flow mapping"),
     ("  ab:", "\tab:", 6, 1, "not valid YAML"),
+    ("ca]}", "ca], stroke: #00ff00}", 11, 1, "; in line 10 #00ff00 begins a comment: write a colour in quotes"),
     ("small", "*small", 2, 7, "undefined alias"),
     ("small", "sm\x00all", 2, 9, "U+0000 is not allowed"),
 ]
