@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from flatnet.network.listing import FaceList, ListedFace
 from flatnet.network.network import SampledStretch
 from flatnet.report.panels import INK, POINT
+from flatnet.report.summary import counted
 from flatnet.report.view import Camera, Surface, cameras
 
 Floats = NDArray[np.float64]
@@ -45,7 +46,7 @@ def face_picture(listed: FaceList) -> bytes:
             axes = figure.add_axes((left + 0.01, 0.01, 0.48, 1.0 - HEAD / HEIGHT))
             axes.set_axis_off()
             axes.set_aspect("equal")
-            axes.set_title(f"{title}: {len(listed.faces)} faces, openings grey", fontsize=9)
+            axes.set_title(f"{title}: {counted(len(listed.faces), 'face')}, openings grey", fontsize=9)
             _paint(axes, listed, surface, camera)
         figure.savefig(content, dpi=RESOLUTION, format="png")
     return content.getvalue()
