@@ -267,9 +267,9 @@ def layout_files(layouts: Sequence[Layout]) -> list[str]:
 
 def _titles(project: Project) -> list[str]:
     """Every patch, every piece of one that is cut from a further material, their halves; a blank is in no name."""
-    further = [f"{spec.name} {also.material}" for spec in project.patches.values() for also in spec.also]
-    whole = [*project.patches, *further]
-    return whole + [f"{title} on fold" for title in whole if project.patches[title.split(" ")[0]].fold]
+    specs = project.patches.values()
+    whole = dict(project.patches) | {f"{spec.name} {also.material}": spec for spec in specs for also in spec.also}
+    return [*whole, *(f"{title} on fold" for title, spec in whole.items() if spec.fold)]
 
 
 def _title(project: Project, piece: Piece) -> str:

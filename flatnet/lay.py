@@ -12,7 +12,7 @@ import numpy as np
 
 from flatnet.build import STORED_LAYOUT, BuildResult, Progress, layout_files
 from flatnet.export.file_names import safe_file_names
-from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder
+from flatnet.export.output import REPORT, REPORT_FORMAT, OutputFolder, read_of_build
 from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces, write_pieces
 from flatnet.export.svg import write_layout
 from flatnet.failure import Finding
@@ -247,10 +247,4 @@ def _spoken(key: str, value: object) -> str:
 
 
 def _read_build(folder: Path) -> PieceFile:
-    file = folder / PIECES
-    try:
-        return read_pieces(file)
-    except OSError as error:
-        raise LayError(f"{file}: can't be read: {error.strerror}; name the output folder of a build") from None
-    except ValueError as error:
-        raise LayError(f"{file}: {error}; build again") from None
+    return read_of_build(folder / PIECES, read_pieces, LayError, "name the output folder of a build")

@@ -42,11 +42,15 @@ def project(curves, patches, **rest):
     }
 
 
-def alone(curve, name="sheet", patch=None, **rest):
-    """One patch inside one closed curve."""
-    content = project({name: curve}, {name: {"around": [name], **(patch or {})}}, **rest)
+def without_good(content):
+    """A project less its good square."""
     del content["curves"]["good"], content["patches"]["good"]
     return content
+
+
+def alone(curve, name="sheet", patch=None, **rest):
+    """One patch inside one closed curve."""
+    return without_good(project({name: curve}, {name: {"around": [name], **(patch or {})}}, **rest))
 
 
 def given(vertices, normals, **rest):
@@ -167,21 +171,25 @@ def wrinkled(radius=5.0, length=60.0, width=30.0, count=32):
     return given(vertices, np.concatenate([up, level, up[::-1], level]), edge_length=2)
 
 
-def lid(folder):
+#: Of the ball under `cut_off_cap`, mm, and of its rim, from the ball's top.
+RADIUS, LATITUDE = 50.0, np.radians(40.0)
+
+
+def cut_off_cap(folder, clearance=5):
     """A sheet over a circle of latitude of a ball: it is flat, and cuts the cap off."""
-    trimesh.creation.icosphere(4, 50.0).export(folder / "ball.stl")
-    t, at = np.linspace(0, 2 * np.pi, 24, endpoint=False), np.radians(40.0)
-    ring = 50 * np.c_[np.sin(at) * np.cos(t), np.sin(at) * np.sin(t), np.cos(at) + 0 * t]
-    surface = {"mesh": "ball.stl", "clearance": 5}
+    trimesh.creation.icosphere(4, RADIUS).export(folder / "ball.stl")
+    t = np.linspace(0, 2 * np.pi, 24, endpoint=False)
+    ring = RADIUS * np.c_[np.sin(LATITUDE) * np.cos(t), np.sin(LATITUDE) * np.sin(t), np.cos(LATITUDE) + 0 * t]
+    surface = {"mesh": "ball.stl", "clearance": clearance}
     rim = {"closed": True, "on": "surface", "kind": "spline", "points": ring.tolist()}
-    return alone(rim, edge_length=6, surface=surface)
+    return without_good(project({"rim": rim}, {"lid": {"around": ["rim"]}}, edge_length=6, surface=surface))
 
 
-def beside(folder):
-    """A lune beside the plane x = 0 of a ball that lies 5 mm off it; `even.stl` is one that does not."""
+def beside(folder, x=5.0):
+    """A lune beside the plane x = 0 of a ball round (x, 0, 0), and its image; `even.stl` is the ball round 0."""
     ball = trimesh.creation.icosphere(4, 50.0)
     ball.export(folder / "even.stl")
-    ball.apply_translation([5, 0, 0])
+    ball.apply_translation([x, 0, 0])
     ball.export(folder / "ball.stl")
     return {
         "flatnet": 1,
@@ -201,9 +209,9 @@ def beside(folder):
     }
 
 
-def roof(crease=False):
-    """Two rectangles that meet along the y axis at 40 degrees; each leans down by half of it."""
-    angle = np.radians(40)
+def roof(degrees=40, crease=False):
+    """Two rectangles that meet along the y axis; each leans down by half the angle."""
+    angle = np.radians(degrees)
     x, z = float(60 * np.cos(angle / 2)), float(-60 * np.sin(angle / 2))
     right, left = [-z, 0.0, x], [z, 0.0, x]
     nodes = {"a": [0, 0, 0], "b": [0, 80, 0], "c": [x, 0, z], "d": [x, 80, z], "e": [-x, 0, z], "f": [-x, 80, z]}
@@ -214,9 +222,7 @@ def roof(crease=False):
         "right": {"around": ["ac", "cd", "db", "-ridge"]},
         "left": {"around": ["ridge", "-fb", "-ef", "-ae"]},
     }
-    content = project({"ridge": ridge} | curves, patches, nodes=nodes, fitting={"normal_weight": 0})
-    del content["curves"]["good"], content["patches"]["good"]
-    return content
+    return without_good(project({"ridge": ridge} | curves, patches, nodes=nodes, fitting={"normal_weight": 0}))
 
 
 def roll(more=0.7):
@@ -300,9 +306,7 @@ def rectangles(widths, changes):
         patches[f"sheet{i}"] = {"around": around}
     for name, change in changes.items():
         (curves.get(name) or patches[name]).update(change)
-    content = project(curves, patches, nodes=nodes)
-    del content["curves"]["good"], content["patches"]["good"]
-    return content
+    return without_good(project(curves, patches, nodes=nodes))
 
 
 def no_fold():
@@ -412,7 +416,9 @@ CASES = {
         lambda content: content | {"limits": {"seconds": 600}, "edge_length": 5},
     ),
     "wrinkled": Case(wrinkled, "a strip with a step of 80 degrees", "`--auto-split`", "split"),
-    "inside_surface": Case(lid, "a sheet over a cap of a ball", "the cut that `diagnose --patch` finds", "cut", True),
+    "inside_surface": Case(
+        cut_off_cap, "a sheet over a cap of a ball", "the cut that `diagnose --patch` finds", "cut", True
+    ),
     "off_surface": Case(
         beside, "the image of a patch on a ball that lies 5 mm off the mirror plane", "a ball with two equal halves",
         lambda content: content | {"surface": content["surface"] | {"mesh": "even.stl"}}, True,

@@ -3,8 +3,8 @@
 import numpy as np
 import pytest
 import shapely
-import trimesh
 import yaml
+from failure_cases import beside
 from written import read_obj, read_report
 
 from flatnet.cli import main
@@ -256,7 +256,7 @@ def test_images_need_a_plane(tmp_path):
 @pytest.mark.parametrize("x, warned", [(0.0, False), (5.0, True)])
 def test_an_image_is_not_blamed_for_what_its_original_leaves_the_surface_by(tmp_path, x, warned):
     """The rim hangs 12 mm off the ball, as a skirt hangs off its legs."""
-    content = on_ball(tmp_path, x)
+    content = beside(tmp_path, x)
     content["curves"]["rim"] = {
         "kind": "spline", "from": "front", "to": "back", "points": [[37, 0, 49.6]], "normals": [0.6, 0, 0.8],
     }
@@ -277,33 +277,9 @@ def test_the_image_of_what_can_not_be_made_fails_with_it(tmp_path):
     assert "as the mirror image of 'right'" in left["failure"]["message"]
 
 
-def on_ball(folder, x):
-    """Half the upper cap of a ball round (x, 0, 0), and its image in x = 0."""
-    ball = trimesh.creation.icosphere(4, 50)
-    ball.apply_translation([x, 0, 0])
-    ball.export(folder / "ball.stl")
-    ends = [[0, -20, 45], [0, 20, 45]]
-    return {
-        "flatnet": 1,
-        "name": "ball",
-        "edge_length": 6,
-        "surface": {"mesh": "ball.stl", "clearance": 4},
-        "mirror": {"normal": [1, 0, 0]},
-        "nodes": {"front": ends[0], "back": ends[1]},
-        "curves": {
-            "middle": {"on": "surface", "kind": "spline", "from": "front", "to": "back", "points": [[0, 0, 50]]},
-            "rim": {"on": "surface", "kind": "spline", "from": "front", "to": "back", "points": [[30, 0, 40]]},
-            "rim_left": {"mirror_of": "rim"},
-        },
-        "patches": {"right": {"around": ["rim", "-middle"]}, "left": {"mirror_of": "right"}},
-        "rest": "openings",
-        "nesting": {"seconds": 1},
-    }
-
-
 @pytest.mark.parametrize("x, warned", [(0.0, False), (5.0, True)])
 def test_an_image_that_leaves_a_surface_with_unequal_halves_is_warned_of(tmp_path, x, warned):
-    loaded(tmp_path, on_ball(tmp_path, x))
+    loaded(tmp_path, beside(tmp_path, x))
     assert main(["build", str(tmp_path / "project.yaml"), "-o", str(tmp_path / "out")]) == 0
     left, right = read_report(tmp_path / "out")["patches"]
     codes = [warning["code"] for warning in left["warnings"]]

@@ -10,12 +10,15 @@ import signal
 import tempfile
 import threading
 import time
-from collections.abc import Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from types import TracebackType
+from typing import TypeVar
 
 from filelock import FileLock
+
+_Content = TypeVar("_Content")
 
 #: What a report says of itself; a folder with such a report is one of ours.
 REPORT_FORMAT = "flatnet-report/1"
@@ -39,6 +42,25 @@ _LONGEST_COMMIT = 60.0
 
 class OutputError(Exception):
     """The output folder can't be used or written."""
+
+
+def read_of_build(
+    path: Path, reader: Callable[[Path], _Content], refusal: Callable[[str], Exception], remedy: str = "build again"
+) -> _Content:
+    """What a reader makes of a file that a build wrote.
+
+    Parameters
+    ----------
+    refusal : raised with the file, the reason and the remedy where it can't be read, or the reader finds (ValueError)
+        that no build wrote it.
+    remedy : what to do where it can't be read.
+    """
+    try:
+        return reader(path)
+    except OSError as error:
+        raise refusal(f"{path}: can't be read: {error.strerror}; {remedy}") from None
+    except ValueError as error:
+        raise refusal(f"{path}: {error}; build again") from None
 
 
 class OutputFolder:

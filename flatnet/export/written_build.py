@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
-from flatnet.export.output import CERTIFICATE, NETWORK, REPORT, REPORT_FORMAT
+from flatnet.export.output import CERTIFICATE, NETWORK, REPORT, REPORT_FORMAT, read_of_build
 from flatnet.export.pieces_json import PIECES, PieceFile, read_pieces
 from flatnet.geometry.chains import boundary_edges
 from flatnet.nesting.layout import Layout, Placement
@@ -94,7 +94,9 @@ class WrittenBuild:
         files = {name: f"patches/{file}.obj" for name, file in names.items()}
         listed = set(self.report["files"])
         return tuple(
-            FittedMesh(name, *_read(self.folder / file, read_obj)) for name, file in files.items() if file in listed
+            FittedMesh(name, *read_of_build(self.folder / file, read_obj, ExportError))
+            for name, file in files.items()
+            if file in listed
         )
 
 
@@ -109,12 +111,12 @@ def read_written(folder: Path, certificate: bool = False) -> WrittenBuild:
     """
     if not (folder / REPORT).is_file():
         raise ExportError(f"{folder}: holds no {REPORT} of a build; run `flatnet build` into it first")
-    report = _read(folder / REPORT, _json)
+    report = read_of_build(folder / REPORT, _json, ExportError)
     if not isinstance(report, dict) or report.get("format") != REPORT_FORMAT:
         raise ExportError(f"{folder / REPORT}: not a report of this version; build again")
     if _is_layout(report) and PIECES not in report["files"]:
         raise ExportError(f"{folder}: is a layout of an earlier version, without {PIECES}; run `flatnet nest` again")
-    content = _read(folder / PIECES, read_pieces)
+    content = read_of_build(folder / PIECES, read_pieces, ExportError)
     try:
         sheets = tuple(_sheets(report["layouts"], content))
     except (KeyError, TypeError, ValueError) as error:
@@ -129,7 +131,7 @@ def _is_layout(report: Mapping[str, Any]) -> bool:
 def _certificate(path: Path) -> Mapping[str, Any]:
     if not path.is_file():
         raise ExportError(f"{path}: is not there; run `flatnet verify {path.parent}` first")
-    content: Mapping[str, Any] = _read(path, _json)
+    content: Mapping[str, Any] = read_of_build(path, _json, ExportError)
     try:
         changed = [name for name, digest in content["sha256"].items() if _digest(path.parent / name) != digest]
     except (AttributeError, KeyError, TypeError):
@@ -169,12 +171,3 @@ def _sheets(records: Sequence[Mapping[str, Any]], content: PieceFile) -> list[Sh
 def _placement(piece: Piece, record: Mapping[str, Any]) -> Placement:
     turned = record["rotation_deg"], record["x_mm"], record["y_mm"]
     return Placement(piece, record["copy"], record["mirrored"], *turned)
-
-
-def _read(path: Path, reader: Any) -> Any:
-    try:
-        return reader(path)
-    except OSError as error:
-        raise ExportError(f"{path}: can't be read: {error.strerror}; build again") from None
-    except ValueError as error:
-        raise ExportError(f"{path}: {error}; build again") from None

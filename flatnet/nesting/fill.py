@@ -11,7 +11,6 @@ from collections.abc import Sequence
 import numpy as np
 import shapely
 from numpy.typing import NDArray
-from scipy.signal import fftconvolve
 from shapely import MultiPolygon, Polygon
 
 from flatnet.nesting.check import TOLERANCE
@@ -105,6 +104,9 @@ class _Grid:
 
     def _places(self, body: Polygon) -> list[tuple[float, float]]:
         """The first shifts of a body, along the sheet and across it, with which it covers no taken cell."""
+        # Not at the top: it takes half a second to import, and few layouts have gaps to fill.
+        from scipy.signal import fftconvolve
+
         low, high = np.array(body.bounds[:2]), np.array(body.bounds[2:])
         cells = np.maximum(np.ceil((high - low) / self.cell).astype(int), 1)
         if (cells > self.shape).any():

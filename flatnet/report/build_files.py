@@ -3,21 +3,18 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, TypeVar
+from typing import Any
 
 import numpy as np
 
 from flatnet.export.drawn_layout import DrawnPiece, read_layout
 from flatnet.export.file_names import safe_file_names
 from flatnet.export.obj import read_obj
-from flatnet.export.output import HEIGHTS, NETWORK, REPORT, REPORT_FORMAT
+from flatnet.export.output import HEIGHTS, NETWORK, REPORT, REPORT_FORMAT, read_of_build
 from flatnet.fitting.results import Floats, Ints, SurfaceMesh
 from flatnet.geometry.chains import boundary_edges
-
-_Content = TypeVar("_Content")
 
 
 class BuildFilesError(Exception):
@@ -67,7 +64,7 @@ def read_build(folder: Path) -> BuildFiles:
         raise BuildFilesError(f"{folder}: is no folder; name the output folder of a build")
     if not (folder / REPORT).is_file():
         raise BuildFilesError(f"{folder}: holds no {REPORT} of a build; run `flatnet build` into it first")
-    report = _read(folder / REPORT, _object)
+    report = read_of_build(folder / REPORT, _object, BuildFilesError)
     if report.get("format") != REPORT_FORMAT:
         raise BuildFilesError(
             f"{folder / REPORT}: its format is {report.get('format')!r}, not {REPORT_FORMAT!r}; build again"
@@ -78,22 +75,22 @@ def read_build(folder: Path) -> BuildFiles:
         layouts = [record["file"] for record in report["layouts"]]
     except (KeyError, TypeError) as error:
         raise BuildFilesError(f"{folder / REPORT}: incomplete, {error}; build again") from None
-    heights = _read(folder / HEIGHTS, _object) if HEIGHTS in files else {}
+    heights = read_of_build(folder / HEIGHTS, _object, BuildFilesError) if HEIGHTS in files else {}
     return BuildFiles(
         report=report,
-        network=_read(folder / NETWORK, _object) if NETWORK in files else {"curves": []},
+        network=read_of_build(folder / NETWORK, _object, BuildFilesError) if NETWORK in files else {"curves": []},
         patches=tuple(
             _patch(folder / "patches", name, file, heights.get(name))
             for name, file in names.items()
             if f"patches/{file}.obj" in files
         ),
-        sheets={file: _read(folder / file, read_layout) for file in layouts},
+        sheets={file: read_of_build(folder / file, read_layout, BuildFilesError) for file in layouts},
     )
 
 
 def _patch(folder: Path, name: str, file: str, heights: list[float] | None) -> BuiltPatch:
-    vertices, triangles, flat = _read(folder / f"{file}.obj", read_obj)
-    warped, warped_triangles, _ = _read(folder / f"{file}.initial.obj", read_obj)
+    vertices, triangles, flat = read_of_build(folder / f"{file}.obj", read_obj, BuildFilesError)
+    warped, warped_triangles, _ = read_of_build(folder / f"{file}.initial.obj", read_obj, BuildFilesError)
     return BuiltPatch(
         name=name,
         warped=SurfaceMesh(warped, warped_triangles, _boundary_count(warped_triangles)),
@@ -113,12 +110,3 @@ def _object(path: Path) -> dict[str, Any]:
     if not isinstance(content, dict):
         raise ValueError("it holds no object")
     return content
-
-
-def _read(path: Path, reader: Callable[[Path], _Content]) -> _Content:
-    try:
-        return reader(path)
-    except OSError as error:
-        raise BuildFilesError(f"{path}: can't be read: {error.strerror}; build again") from None
-    except ValueError as error:
-        raise BuildFilesError(f"{path}: {error}; build again") from None

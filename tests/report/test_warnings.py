@@ -4,15 +4,13 @@ import json
 
 import numpy as np
 import pytest
-import trimesh
 import yaml
+from failure_cases import LATITUDE, RADIUS, cut_off_cap, roof
 from written import read_obj, read_report
 
 from flatnet.cli import main
 from flatnet.report.build_files import read_build
 from flatnet.report.panels import panels_of
-
-RADIUS, LATITUDE = 50.0, np.radians(40.0)
 
 
 def build(folder, project):
@@ -21,24 +19,8 @@ def build(folder, project):
     return read_report(folder / "out")
 
 
-def cap(folder, **surface):
-    """A sheet over the circle of latitude of a ball: it is flat, and cuts the cap off."""
-    trimesh.creation.icosphere(4, RADIUS).export(folder / "ball.stl")
-    t = np.linspace(0, 2 * np.pi, 24, endpoint=False)
-    ring = RADIUS * np.c_[np.sin(LATITUDE) * np.cos(t), np.sin(LATITUDE) * np.sin(t), np.cos(LATITUDE) + 0 * t]
-    return {
-        "flatnet": 1,
-        "name": "cap",
-        "edge_length": 6,
-        "surface": {"mesh": "ball.stl", **surface},
-        "curves": {"rim": {"closed": True, "on": "surface", "kind": "spline", "points": ring.tolist()}},
-        "patches": {"lid": {"around": ["rim"]}},
-        "rest": "openings",
-    }
-
-
 def test_a_sheet_that_cuts_a_cap_off_says_how_deep_and_where(tmp_path):
-    (lid,) = build(tmp_path, cap(tmp_path, clearance=5))["patches"]
+    (lid,) = build(tmp_path, cut_off_cap(tmp_path, clearance=5))["patches"]
     depth = RADIUS * (1 - np.cos(LATITUDE))
     (warning,) = [warning for warning in lid["warnings"] if warning["code"] == "inside_surface"]
     assert warning["amount"] == pytest.approx(depth, abs=0.3)  # facets of the ball, vertices beside the centre
@@ -54,31 +36,8 @@ def test_a_sheet_that_cuts_a_cap_off_says_how_deep_and_where(tmp_path):
 
 
 def test_clearance_allows_it(tmp_path):
-    (lid,) = build(tmp_path, cap(tmp_path, clearance=12))["patches"]
+    (lid,) = build(tmp_path, cut_off_cap(tmp_path, clearance=12))["patches"]
     assert "inside_surface" not in [warning["code"] for warning in lid["warnings"]]
-
-
-def roof(angle, *, crease):
-    """Two rectangles that meet along the y axis; each leans down by half the angle."""
-    x, z = float(60 * np.cos(angle / 2)), float(-60 * np.sin(angle / 2))
-    right, left = [-z, 0.0, x], [z, 0.0, x]
-    nodes = {"a": [0, 0, 0], "b": [0, 80, 0], "c": [x, 0, z], "d": [x, 80, z], "e": [-x, 0, z], "f": [-x, 80, z]}
-    ridge = {"from": "a", "to": "b", "normals": {"left": left, "right": right} if crease else [0, 0, 1]}
-    sides = {"ac": right, "cd": right, "db": right, "ae": left, "ef": left, "fb": left}
-    curves = {name: {"from": name[0], "to": name[1], "normals": normal} for name, normal in sides.items()}
-    return {
-        "flatnet": 1,
-        "name": "roof",
-        "edge_length": 12,
-        "nodes": nodes,
-        "curves": {"ridge": ridge} | curves,
-        "patches": {
-            "right": {"around": ["ac", "cd", "db", "-ridge"]},
-            "left": {"around": ["ridge", "-fb", "-ef", "-ae"]},
-        },
-        "rest": "openings",
-        "fitting": {"normal_weight": 0},
-    }
 
 
 def seam_warnings(folder, project):
@@ -87,7 +46,7 @@ def seam_warnings(folder, project):
 
 
 def test_a_kink_along_a_seam_says_how_much_and_where(tmp_path, capsys):
-    gap, (warning,) = seam_warnings(tmp_path, roof(np.radians(40), crease=False))
+    gap, (warning,) = seam_warnings(tmp_path, roof(40, crease=False))
     assert gap == pytest.approx(40, abs=1e-6)
     assert (warning["code"], warning["amount"]) == ("normal_gap", gap)
     assert warning["where"].startswith("'ridge' at ") and "at (0.0, " in warning["where"]
@@ -97,6 +56,6 @@ def test_a_kink_along_a_seam_says_how_much_and_where(tmp_path, capsys):
 
 @pytest.mark.parametrize("angle, crease", [(25, False), (40, True)])
 def test_a_small_angle_and_one_that_is_meant_are_no_kink(tmp_path, angle, crease):
-    gap, warnings = seam_warnings(tmp_path, roof(np.radians(angle), crease=crease))
+    gap, warnings = seam_warnings(tmp_path, roof(angle, crease=crease))
     assert gap == pytest.approx(angle, abs=1e-6)
     assert warnings == []
