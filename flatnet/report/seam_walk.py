@@ -28,10 +28,10 @@ def walk_records(
     """The `seam_walk` of report.json: every seam with two sides that are made, and curves sewn to other curves."""
     walked: dict[str, list[Floats]] = {name: [] for name in seams}  # of each side, in the order of the patches
     for patch in network.patches:
-        made = fitted.get(patch.name)
-        for stretch in patch.boundary.stretches if made else ():
-            if made:
-                walked[stretch.seam].append(arclengths(made.outline[side_vertices(stretch, len(made.outline))]))
+        if patch.name in fitted:
+            outline = fitted[patch.name].outline
+            for stretch in patch.boundary.stretches:
+                walked[stretch.seam].append(arclengths(outline[side_vertices(stretch, len(outline))]))
     records = [
         _record(name, name, _legs(sides[0], seams[name].notches), _legs(sides[1], seams[name].notches), 0.0)
         for name, sides in walked.items()
