@@ -107,12 +107,12 @@ def build(
                 project, network, results = _split(project, network, surface, results, fitter, progress)
                 seams = plan_seams(project, network)
             fitter.dismiss()
-            pieces, results = _make_pieces(project, seams, results)
+            pieces, halves, results = _make_pieces(project, seams, results)
             stored = {} if nest_again else read_stored(output.previous(STORED_LAYOUT))
             layouts, unlaid = _nest_all(project, pieces, stored, progress)
             named = dict(zip(layout_files(layouts), layouts, strict=True))
             heights = _heights(results, surface, project.mirror)
-            files = [*_write(output.staging, project, network, results, heights, pieces, named), REPORT]
+            files = [*_write(output.staging, project, network, results, heights, pieces, halves, named), REPORT]
             findings = [*project.findings, *unlaid]
             report = make_report(
                 project.name, network, seams, heights, project.clearance, results, named, findings, sorted(files)
@@ -200,15 +200,23 @@ def _nest_all(
 
 def _make_pieces(
     project: Project, seams: Mapping[str, Seam], results: Sequence[FittedPatch | FailedPatch]
-) -> tuple[list[Piece], list[FittedPatch | FailedPatch]]:
-    """A piece for every fitted patch; one whose piece can't be made becomes a failed patch."""
+) -> tuple[list[Piece], dict[str, Piece], list[FittedPatch | FailedPatch]]:
+    """A piece for every fitted patch; one whose piece can't be made becomes a failed patch.
+
+    Returns
+    -------
+    pieces, halves : those that are cut on the fold also as halves, by their titles.
+    kept : the results, in their order.
+    """
     pieces: list[Piece] = []
+    halves: dict[str, Piece] = {}
     kept: list[FittedPatch | FailedPatch] = []
     for result in results:
         if isinstance(result, FittedPatch):
             name = result.patch.name
             try:
                 made = _pieces_of(project, seams, result)
+                halves |= {_title(project, piece): half_on_fold(piece, piece.fold) for piece in made if piece.fold}
                 pieces += made
                 warnings = dict.fromkeys(warning for piece in made for warning in piece.warnings)
                 result = replace(result, warnings=(*result.warnings, *warnings))
@@ -218,7 +226,7 @@ def _make_pieces(
                 bug = Finding.of_a_bug(name, "pattern", error)
                 result = FailedPatch(name, bug, result.warnings, result.seconds)
         kept.append(result)
-    return pieces, kept
+    return pieces, halves, kept
 
 
 def _pieces_of(project: Project, seams: Mapping[str, Seam], fitted: FittedPatch) -> list[Piece]:
@@ -284,6 +292,7 @@ def _write(
     results: Sequence[FittedPatch | FailedPatch],
     heights: Mapping[str, NDArray[np.float64]],
     pieces: Sequence[Piece],
+    halves: Mapping[str, Piece],
     layouts: dict[str, Layout],
 ) -> list[str]:
     """Write all files but the report into a folder; their names relative to it."""
@@ -307,12 +316,10 @@ def _write(
             write_obj(folder / files[-3], mesh.vertices, mesh.triangles, result.flat)
             write_obj(folder / files[-2], warped.vertices, warped.triangles, result.planar.positions)
             write_folds(folder / files[-1], mesh)
-    for name, piece in named.items():
+    drawn = named | {names[f"{title} on fold"]: half for title, half in halves.items()}
+    for name, piece in drawn.items():
         files.append(f"pieces/{name}.svg")
         write_piece(folder / files[-1], piece, project.strokes)
-        if piece.fold is not None:
-            files.append(f"pieces/{names[f'{_title(project, piece)} on fold']}.svg")
-            write_piece(folder / files[-1], half_on_fold(piece, piece.fold), project.strokes)
     for file, layout in layouts.items():
         wanted = [spec.name for spec in project.patches.values() if layout.material.name in spec.materials]
         sheets = [other for other in layouts.values() if other.material.name == layout.material.name]

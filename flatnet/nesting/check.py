@@ -34,18 +34,23 @@ def check_layouts(layouts: Sequence[Layout], pieces: Sequence[Piece], left: Sequ
     for layout in layouts:
         if layout.sheet > layout.material.count:
             problems.append(f"sheet {layout.sheet}: material '{layout.material.name}' has {layout.material.count:g}")
-            continue
-        placed = []
-        for placement in layout.placements:
-            if not np.isfinite([placement.rotation_deg, placement.x_mm, placement.y_mm]).all():
-                problems.append(f"{placement}: its place is not a number")
-                continue
-            region = shapely.transform(placement.piece.region, placement.place)
-            placed.append((placement, region))
-            problems += _rotation(placement, layout)
-            problems += _inside(placement, region, layout)
-        problems += _apart(placed, layout.material.gap)
+        else:
+            problems += check_layout(layout)
     return problems
+
+
+def check_layout(layout: Layout) -> list[str]:
+    """What is wrong with the copies that lie on one sheet, whatever others there are."""
+    problems, placed = [], []
+    for placement in layout.placements:
+        if not np.isfinite([placement.rotation_deg, placement.x_mm, placement.y_mm]).all():
+            problems.append(f"{placement}: its place is not a number")
+            continue
+        region = shapely.transform(placement.piece.region, placement.place)
+        placed.append((placement, region))
+        problems += _rotation(placement, layout)
+        problems += _inside(placement, region, layout)
+    return [*problems, *_apart(placed, layout.material.gap)]
 
 
 def _count(layouts: Sequence[Layout], pieces: Sequence[Piece], left: Sequence[Copy]) -> Iterator[str]:

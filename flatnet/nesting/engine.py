@@ -7,7 +7,8 @@ import subprocess
 import sys
 import threading
 from collections.abc import Callable, Sequence
-from dataclasses import asdict, dataclass
+from concurrent.futures import ThreadPoolExecutor
+from dataclasses import asdict, dataclass, replace
 from pathlib import Path
 from typing import Any, TypeAlias
 
@@ -30,8 +31,8 @@ Shorter = Callable[[float, Placed], None]
 SIMPLIFIED = 0.005
 #: The engine panics where a piece fits exactly: the strip is wider by this part of itself.
 EXACT_FIT = 2e-5
-#: Threads of the engine.
-WORKERS = 2
+#: Threads that it may take, in one search. Up to so few copies two searches of one thread each find more.
+THREADS, FEW = 2, 40
 #: Seconds that the child may take beyond twice its time before it is ended.
 GRACE = 30.0
 
@@ -124,14 +125,50 @@ def run_engine(
     EngineError
         Where the engine panics or takes too long.
     """
-    problem = {
-        **asdict(strip),
-        "items": [asdict(item) for item in items],
-        "seconds": parameters.seconds,
-        "seed": parameters.seed,
-        "workers": WORKERS,
-    }
-    return _answer(json.dumps(problem), limit or 2.0 * parameters.seconds + GRACE, shorter)
+    limit = limit or 2.0 * parameters.seconds + GRACE
+    return _answer(_problem(strip, items, parameters, THREADS), limit, shorter)
+
+
+def run_searches(
+    strip: Strip, items: Sequence[Item], parameters: NestingParameters, shorter: Shorter = lambda *_: None
+) -> list[Placed]:
+    """The same, but where there are few copies, with a search on each thread, their seeds one after the other.
+
+    Raises
+    ------
+    EngineError
+        Where the engine panics or takes too long.
+    """
+    if sum(item.count for item in items) > FEW:
+        return [run_engine(strip, items, parameters, shorter)]
+    best, lock = float("inf"), threading.Lock()
+
+    def told(length: float, placed: Placed) -> None:
+        nonlocal best
+        with lock:
+            if length < best:
+                best = length
+                shorter(length, placed)
+
+    limit = 2.0 * parameters.seconds + GRACE
+    problems = [
+        _problem(strip, items, replace(parameters, seed=parameters.seed + search), 1) for search in range(THREADS)
+    ]
+    with ThreadPoolExecutor(THREADS) as searches:
+        return list(searches.map(lambda problem: _answer(problem, limit, told), problems))
+
+
+def _problem(strip: Strip, items: Sequence[Item], parameters: NestingParameters, threads: int) -> str:
+    """What the child reads."""
+    return json.dumps(
+        {
+            **asdict(strip),
+            "items": [asdict(item) for item in items],
+            "seconds": parameters.seconds,
+            "seed": parameters.seed,
+            "workers": threads,
+        }
+    )
 
 
 def _answer(problem: str, limit: float, shorter: Shorter) -> Placed:

@@ -23,7 +23,7 @@ def solve(problem: dict) -> dict:
     ]
     config = spyrrow.StripPackingConfig(
         early_termination=False,
-        min_items_separation=problem["separation"],
+        min_items_separation=problem["separation"] or None,
         total_computation_time=problem["seconds"],
         num_workers=problem["workers"],
         seed=problem["seed"],
