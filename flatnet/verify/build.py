@@ -101,6 +101,8 @@ class WrittenPiece:
     zone, match : the zone of a hide that it asks for, or ""; whether all copies lie in one direction.
     notches : seam -> places of its notches on the sew line, (2,) each.
     lines : class of its other paths -> their lines, (k, 2) each.
+    feet : where each mark of a notch, and each nick, begins: the middle of its mouth, (2,).
+    drills : marks that are points, (2,) each.
     fold : (2, 2) float, mm: start and end of the line across which its patch, one half of it, is mirrored; or None.
     """
 
@@ -114,6 +116,8 @@ class WrittenPiece:
     holes: tuple[Floats, ...]
     notches: dict[str, list[Floats]]
     lines: dict[str, list[Floats]]
+    feet: list[Floats]
+    drills: list[Floats]
     fold: Floats | None
     zone: str
     match: bool
@@ -207,8 +211,15 @@ def _hide(record: Record) -> WrittenHide:
 
 def _piece(record: Record) -> WrittenPiece:
     notches: dict[str, list[Floats]] = {}
+    strokes: list[Floats] = []  # the first of each mark
     for notch in record.records("notches"):
         notches.setdefault(notch.text("seam"), []).append(notch.point("position"))
+        lines, marks = notch.point_lists("lines"), notch.count("marks")
+        if marks < 1 or len(lines) % marks:
+            raise DamagedError(PIECES, f"a notch of '{record.text('name')}' has {len(lines)} lines for {marks} marks")
+        strokes += lines[:: len(lines) // marks] if lines else []
+    nicks = [nick.numbers("points", 2) for nick in record.records("nicks")] if record.has("nicks") else []
+    marked = [mark.numbers("points", 2) for mark in record.records("marks")]
     piece = WrittenPiece(
         name=record.text("name"),
         patch=record.text("patch"),
@@ -221,10 +232,12 @@ def _piece(record: Record) -> WrittenPiece:
         notches=notches,
         lines={
             "notch": [line for notch in record.records("notches") for line in notch.point_lists("lines")],
-            "nick": [nick.numbers("points", 2) for nick in record.records("nicks")] if record.has("nicks") else [],
+            "nick": nicks,
             "internal": [line for mark in record.records("marks") for line in mark.point_lists("lines")],
             "grain": [record.numbers("grain", 2)] if record.has("grain") else [],
         },
+        feet=[line[[0, -1 if len(line) > 2 else 0]].mean(axis=0) for line in (*strokes, *nicks)],
+        drills=[points[0] for points in marked if len(points) == 1],
         fold=record.numbers("fold", 2) if record.has("fold") else None,
         zone=record.text("zone") if record.has("zone") else "",
         match=record.has("match") and record.flag("match"),

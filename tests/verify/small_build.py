@@ -20,13 +20,21 @@ curves:
   ridge: {kind: spline, from: c, to: d, points: [[100, 120, 85]], normals: [0, 0, 1], notches: 60}
   left: {kind: spline, from: d, to: a, points: [[0, 60, 40]], normals: [-0.2, -0.5, 1]}
   right_back: {kind: spline, from: c, to: e, points: [[200, 190, 45]], normals: [0.2, 0.5, 1]}
-  back: {kind: spline, from: e, to: f, points: [[100, 265, 15]], normals: [0, 0.5, 1]}
+  back: {kind: spline, from: e, to: f, points: [[100, 265, 15]], normals: [0, 0.5, 1], nicks: {every: 20, radius: 2000}}
   left_back: {kind: spline, from: f, to: d, points: [[0, 190, 45]], normals: [-0.2, 0.5, 1]}
   down_right: {from: b, to: g, normals: [0.1, -1, 0.1]}
   foot: {kind: spline, from: g, to: h, points: [[100, -25, -90]], normals: [0, -1, 0]}
   down_left: {from: h, to: a, normals: [-0.1, -1, 0.1]}
 patches:
-  front: {around: [eaves, right, ridge, left], material: cloth, cut: 1, mirrored: 1, grain: [1, 0, 0]}
+  front:
+    around: [eaves, right, ridge, left]
+    material: cloth
+    cut: 1
+    mirrored: 1
+    grain: [1, 0, 0]
+    marks:
+      lamp: {at: [100, 60, 50], kind: eyelet, diameter: 6}
+      ladder: {points: [[60, 30, 30], [140, 40, 30]], kind: stitch}
   back: {around: [-ridge, right_back, back, left_back], material: cloth, grain: [0, 1, 0]}
   wall: {around: [-eaves, -down_left, -foot, -down_right], material: leather, grain: [1, 0, 0], fold: down_left}
 rest: openings

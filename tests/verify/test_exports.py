@@ -144,6 +144,80 @@ def test_an_error_in_an_export_is_found(out, kind):
     assert 0.5 * amount <= max(one.amount for one in found) <= 2.0 * amount
 
 
+def in_dxf(layer, kind, change):
+    """The first entity of a kind on a layer of a DXF, changed: its text in and out."""
+    entity = rf" *0\n{kind}\n(?:(?! *0\n).*\n.*\n)*? *8\n{layer}\n(?:(?! *0\n).*\n.*\n)*"
+    return of_text(lambda text: re.sub(entity, lambda found: change(found.group()), text, count=1))
+
+
+def shifted(entity):
+    """The first x of an entity of a DXF, by 0.01 mm."""
+    return re.sub(r"(\n *10\n)(\S+)", lambda x: f"{x.group(1)}{float(x.group(2)) + 0.01!r}", entity, count=1)
+
+
+def moved_in_hpgl(pen):
+    """The last place of the first open line of a pen, by 4 units."""
+
+    def change(text):
+        start = text.index(f"SP{pen};")
+        line = r"PU(-?\d+,-?\d+);PD(?!\1|\S*,\1;)((?:-?\d+,)*)(-?\d+);"
+        return text[:start] + re.sub(
+            line, lambda m: f"PU{m.group(1)};PD{m.group(2)}{int(m.group(3)) + 4};", text[start:], count=1
+        )
+
+    return of_text(change)
+
+
+def moved_in_svg(kind):
+    """The first x of the first line of a class, by 0.01 mm."""
+    return of_text(lambda text: re.sub(
+        rf'(class="{kind}" d="M )(\S+),', lambda found: f"{found.group(1)}{float(found.group(2)) + 0.01:.3f},", text,
+        count=1))  # fmt: skip
+
+
+def without_short_lines(content):
+    """A PDF in which no open line of two points is stroked."""
+    writer = pypdf.PdfWriter(clone_from=BytesIO(content))
+    for page in writer.pages:
+        stream = DecodedStreamObject()
+        drawn = page.get_contents().get_data().decode("latin-1")
+        kept = re.sub(r"(\nn \S+ \S+ m \S+ \S+ l)\s+S\n", r"\1\n", drawn)
+        assert kept != drawn
+        stream.set_data(kept.encode("latin-1"))
+        page[NameObject("/Contents")] = writer._add_object(stream)
+    target = BytesIO()
+    writer.write(target)
+    return target.getvalue()
+
+
+#: Errors in what is drawn inside and at the rim of a piece; the amount, mm or lines.
+PLANTED_LINES = [
+    *(("layout-cloth.svg", moved_in_svg(kind), f"SVG: {what}", 0.01)
+      for kind, what in (("notch", "notches"), ("nick", "nicks"), ("internal", "marks"), ("grain", "grain"))),
+    *(("layout-cloth.dxf", in_dxf(kind, "LWPOLYLINE", shifted), f"DXF: {what}", 0.01)
+      for kind, what in (("notch", "notches"), ("nick", "nicks"), ("internal", "marks"))),
+    *(("layout-cloth.dxf", in_dxf(kind, "LWPOLYLINE", lambda entity: 2 * entity), f"DXF: as many {what}", 1.0)
+      for kind, what in (("notch", "notches"), ("nick", "nicks"), ("internal", "marks"))),
+    ("pattern-astm.dxf", in_dxf("4", "POINT", shifted), "DXF of the trade: notches", 0.01),
+    ("pattern-aama.dxf", in_dxf("4", "POINT", lambda entity: ""), "DXF of the trade: as many notches", 1.0),
+    ("pattern-astm.dxf", in_dxf("13", "POINT", shifted), "DXF of the trade: drill holes", 0.01),
+    ("pattern-aama.dxf", in_dxf("13", "POINT", lambda entity: 2 * entity), "DXF of the trade: as many drill holes", 1),
+    ("pattern-astm.dxf", in_dxf("8", "LINE", shifted), "DXF of the trade: marks", 0.01),
+    ("pattern-aama.dxf", in_dxf("7", "LINE", shifted), "DXF of the trade: grain", 0.01),
+    *(("layout-cloth.plt", moved_in_hpgl(pen), f"HPGL: {what}", 0.1)
+      for pen, what in ((3, "notches"), (4, "marks"), (5, "grain"), (1, "nicks"))),
+    ("layout-cloth.pdf", without_short_lines, "PDF: notches", float("inf")),
+]  # fmt: skip
+
+
+@pytest.mark.parametrize("name, change, check, amount", PLANTED_LINES)
+def test_an_error_in_a_notch_a_mark_or_the_grain_is_found(out, name, change, check, amount):
+    edit(out, name, change)
+    found = [one for one in verify(out).problems if one.check == check and one.file == f"exports/{name}"]
+    assert found, "\n".join(map(str, verify(out).problems))
+    assert 0.8 * amount <= max(one.amount for one in found) <= 1.3 * amount
+
+
 def test_a_pdf_that_can_not_be_read_is_not_passed_over(out, monkeypatch):
     monkeypatch.setitem(sys.modules, "pypdf", None)
     said = [str(one) for one in verify(out).problems]

@@ -1,21 +1,23 @@
-"""Check the exports that a build's report lists: every outline as in pieces.json, every model as the meshes."""
+"""Check the exports that a build's report lists: every line as in pieces.json, every model as the meshes."""
 
 from __future__ import annotations
 
 import csv
 from collections.abc import Callable, Iterator, Sequence
 from io import StringIO
+from itertools import groupby
 from pathlib import PurePosixPath
 
 import numpy as np
+import shapely
 from numpy.typing import NDArray
 
-from flatnet.verify.build import PIECES, Findings, WrittenBuild
-from flatnet.verify.drawing import read_drawing
+from flatnet.verify.build import PIECES, Findings, WrittenBuild, WrittenPiece
+from flatnet.verify.drawing import DrawnLine, read_drawing
 from flatnet.verify.exports.dxf import DxfContent, read_dxf
 from flatnet.verify.exports.hpgl import ROUNDED, read_hpgl
+from flatnet.verify.exports.lines import WantedLine, drawn_line, found_elsewhere, nearest, of_piece, of_sheet
 from flatnet.verify.exports.models import Model, read_glb, read_ply
-from flatnet.verify.exports.outlines import Outline, nearest, of_piece, of_sheet
 from flatnet.verify.exports.pdf import read_pdf
 from flatnet.verify.measured import Measured
 from flatnet.verify.mesh import aligned, farthest
@@ -27,10 +29,13 @@ Floats = NDArray[np.float64]
 EXACT = 1e-3
 #: Of single precision, relative to the largest coordinate: rounding, and adding what was rounded.
 SINGLE = 4.0 * float(np.finfo(np.float32).eps)
+#: What a piece has beside its outlines, as `WrittenPiece.lines` has it.
+OTHERS = {"notch": "notches", "nick": "nicks", "internal": "marks", "grain": "grain"}
 #: Layers of the trade's DXF.
-SEW_LAYER, CUT_LAYERS = "14", ("1", "11")
+LAYERS = {"sew": ("14",), "cut": ("1", "11"), "internal": ("8",), "grain": ("7",)}
+NOTCH_LAYERS, DRILL_LAYER = ("4", "80", "81"), "13"
 #: Pens of HPGL.
-SEW_PEN, CUT_PEN = "2", "1"
+PENS = {"cut": "1", "sew": "2", "notch": "3", "nick": "1", "internal": "4", "grain": "5"}
 #: Files of a build that are no exports.
 OWN = ("patches/", "pieces/")
 
@@ -54,20 +59,53 @@ def _check_of(name: str) -> Check | None:
     return CHECKS.get(PurePosixPath(name).suffix) or NAMED.get(PurePosixPath(name).name)
 
 
-def _outlines(
-    file: str, kind: str, wanted: Sequence[Outline], drawn: dict[str, list[Floats]], allowed: float, moved: bool = False
+def _lines(
+    file: str,
+    kind: str,
+    wanted: Sequence[WantedLine],
+    drawn: dict[str, list[DrawnLine]],
+    allowed: float,
+    moved: bool = False,
 ) -> Iterator[Measured]:
-    """Every outline is drawn, on the layer of its meaning where the format has layers (else all are under "")."""
-    for outline in wanted:
-        off = nearest(outline, drawn.get(outline.kind, drawn.get("", [])), moved)
-        words = f"its {outline.kind} line is not that of {PIECES}"
-        yield Measured(f"{kind}: outlines", file, outline.subject, off, allowed, "mm", words)
+    """Every line is drawn, on the layer of its meaning where the format has layers (else all are under "").
+
+    Parameters
+    ----------
+    moved : a copy may lie elsewhere; where, its sew line tells.
+    """
+    for subject, lines in groupby(wanted, lambda line: line.subject):
+        linear, shift = np.eye(2), np.zeros(2)
+        worst: dict[str, float] = {}
+        for line in lines:
+            among = drawn.get(line.kind, drawn.get("", []))
+            if moved and line.kind == "sew":
+                off, linear, shift = found_elsewhere(line.line, among)
+            else:
+                off = nearest(line.moved(subject, linear, shift).line, among)
+            if line.kind in OTHERS:
+                worst[line.kind] = max(off, worst.get(line.kind, 0.0))
+                continue
+            words = f"its {line.kind} line is not that of {PIECES}"
+            yield Measured(f"{kind}: outlines", file, subject, off, allowed, "mm", words)
+        for other, off in worst.items():
+            words = f"not all are where {PIECES} has them"
+            yield Measured(f"{kind}: {OTHERS[other]}", file, subject, off, allowed, "mm", words)
     if "" not in drawn:
-        for meaning in ("sew", "cut"):
-            many = sum(outline.kind == meaning for outline in wanted)
-            more = float(abs(len(drawn.get(meaning, [])) - many))
-            words = f"{len(drawn.get(meaning, []))} {meaning} lines instead of {many}"
-            yield Measured(f"{kind}: as many outlines", file, meaning, more, 0.0, words=words)
+        yield from _as_many(file, kind, wanted, drawn)
+
+
+def _as_many(
+    file: str, kind: str, wanted: Sequence[WantedLine], drawn: dict[str, list[DrawnLine]]
+) -> Iterator[Measured]:
+    """No layer has a line too many; but that of the grain has arrow heads, and outlines may share theirs with nicks."""
+    for meaning, lines in drawn.items():
+        if meaning == "grain":
+            continue
+        has = sum(line.closed for line in lines) if meaning in ("sew", "cut") else len(lines)
+        many = sum(line.kind == meaning for line in wanted)
+        what = "outlines" if meaning in ("sew", "cut") else OTHERS[meaning]
+        words = f"{has} {meaning} lines instead of {many}"
+        yield Measured(f"{kind}: as many {what}", file, meaning, float(abs(has - many)), 0.0, words=words)
 
 
 def _sheet_of(file: str, build: WrittenBuild) -> Record:
@@ -88,13 +126,15 @@ def _svg(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measur
     drawing = read_drawing(file, files.text(file))
     words = "width and height are not those of the viewBox"
     yield Measured("SVG: one unit is 1 mm", file, "", drawing.off_scale, 0.0, "mm", words)
-    drawn: dict[str, list[Floats]] = {"sew": [], "cut": []}
+    drawn: dict[str, list[DrawnLine]] = {kind: [] for kind in ("sew", "cut", *OTHERS)}
     for piece in drawing.pieces:
         for kind, lines in drawn.items():
-            lines += [line @ np.diag([1.0, -1.0]) for line in piece.closed(kind)] if kind in piece.lines else []
+            for line in piece.lines.get(kind, []):
+                on_page = line.points @ piece.linear.T + piece.shift
+                lines.append(drawn_line(on_page @ np.diag([1.0, -1.0]), line.closed))
     alone = [piece for piece in build.pieces if file.endswith(piece.file)]
     wanted = of_piece(alone[0]) if alone else of_sheet(_sheet_of(file, build), build)
-    yield from _outlines(file, "SVG", wanted, drawn, EXACT, moved=True)
+    yield from _lines(file, "SVG", wanted, drawn, EXACT, moved=True)
 
 
 def _dxf(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
@@ -105,31 +145,67 @@ def _dxf(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measur
 
 
 def _dxf_sheet(file: str, content: DxfContent, build: WrittenBuild) -> Iterator[Measured]:
-    yield from _outlines(file, "DXF", of_sheet(_sheet_of(file, build), build), content.blocks[""], EXACT)
+    layers = content.blocks[""].lines
+    drawn = {kind: layers.get(kind, []) for kind in ("sew", "cut", *OTHERS)}
+    yield from _lines(file, "DXF", of_sheet(_sheet_of(file, build), build), drawn, EXACT)
 
 
 def _dxf_pieces(file: str, content: DxfContent, build: WrittenBuild) -> Iterator[Measured]:
     """A block for every piece, in its own frame."""
-    blocks = {name: layers for name, layers in content.blocks.items() if SEW_LAYER in layers}
+    (sew_layer,) = LAYERS["sew"]
+    blocks = [block for block in content.blocks.values() if sew_layer in block.lines]
     more = float(abs(len(blocks) - len(build.pieces)))
     words = f"{len(blocks)} blocks with a sew line, and {len(build.pieces)} pieces"
     yield Measured("DXF of the trade: blocks", file, "", more, 0.0, words=words)
     drawn = {
-        "sew": [line for layers in blocks.values() for line in layers[SEW_LAYER]],
-        "cut": [line for layers in blocks.values() for layer in CUT_LAYERS for line in layers.get(layer, [])],
+        kind: [line for block in blocks for layer in layers for line in block.lines.get(layer, [])]
+        for kind, layers in LAYERS.items()
     }
-    wanted = [outline for piece in build.pieces for outline in of_piece(piece)]
-    yield from _outlines(file, "DXF of the trade", wanted, drawn, EXACT)
+    wanted = [
+        line for piece in build.pieces for line in of_piece(piece) if line.kind in drawn and not _cross(line, piece)
+    ]
+    yield from _lines(file, "DXF of the trade", wanted, drawn, EXACT)
+    for layers, what, places in (
+        (NOTCH_LAYERS, "notches", [place for piece in build.pieces for place in _on_cut_line(piece)]),
+        ((DRILL_LAYER,), "drill holes", [place for piece in build.pieces for place in piece.drills]),
+    ):
+        points = [point for block in blocks for layer in layers for point in block.points.get(layer, [])]
+        yield from _points(file, what, places, points)
+
+
+def _cross(line: WantedLine, piece: WrittenPiece) -> bool:
+    """Whether a line is one of the two of the cross at a point, in place of which the trade has a drill hole."""
+    ends = line.line.points
+    return len(ends) == 2 and any(farthest(ends.mean(axis=0)[None], place[None]) <= EXACT for place in piece.drills)
+
+
+def _on_cut_line(piece: WrittenPiece) -> list[Floats]:
+    """Where notches and nicks begin, as the trade has it: marks that stand side by side each on the line itself."""
+    rings = shapely.MultiLineString([[*line, line[0]] for line in (piece.cut_line, *piece.holes)])
+    feet = shapely.points(np.reshape(piece.feet, (-1, 2)))
+    return list(shapely.get_coordinates(shapely.line_interpolate_point(rings, shapely.line_locate_point(rings, feet))))
+
+
+def _points(file: str, what: str, wanted: Sequence[Floats], drawn: Sequence[Floats]) -> Iterator[Measured]:
+    """Places that the trade has as points, and no others."""
+    more = float(abs(len(drawn) - len(wanted)))
+    words = f"{len(drawn)} {what} instead of {len(wanted)}"
+    yield Measured(f"DXF of the trade: as many {what}", file, "", more, 0.0, words=words)
+    if wanted:
+        off = max(min((farthest(place[None], point[None]) for point in drawn), default=np.inf) for place in wanted)
+        words = f"not all are where {PIECES} has them"
+        yield Measured(f"DXF of the trade: {what}", file, "", off, EXACT, "mm", words)
 
 
 def _hpgl(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
     pens = read_hpgl(file, files.text(file))
-    drawn = {"sew": pens.get(SEW_PEN, []), "cut": pens.get(CUT_PEN, [])}
-    yield from _outlines(file, "HPGL", of_sheet(_sheet_of(file, build), build), drawn, ROUNDED)
+    drawn = {kind: pens.get(pen, []) for kind, pen in PENS.items()}
+    drawn["nick"] = [line for line in drawn["nick"] if not line.closed]
+    yield from _lines(file, "HPGL", of_sheet(_sheet_of(file, build), build), drawn, ROUNDED)
 
 
 def _pdf(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measured]:
-    """Its lines have no names: every outline is looked for on all pages, wherever it lies there."""
+    """Its lines have no names: they are looked for on all pages, wherever a copy lies there."""
     try:
         pages = read_pdf(file, files.content(file))
     except ImportError:
@@ -137,7 +213,7 @@ def _pdf(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterator[Measur
         yield Measured("PDF: outlines", file, "", 1.0, 0.0, words=words)
         return
     drawn = {"": [line for page in pages for line in page]}
-    yield from _outlines(file, "PDF", of_sheet(_sheet_of(file, build), build), drawn, EXACT, moved=True)
+    yield from _lines(file, "PDF", of_sheet(_sheet_of(file, build), build), drawn, EXACT, moved=True)
 
 
 def _same_model(kind: str, file: str, name: str, model: Model, whole: Model, allowed: float) -> Iterator[Measured]:
@@ -228,7 +304,7 @@ def _garmentcode(files: WrittenFiles, file: str, build: WrittenBuild) -> Iterato
         vertices = 10.0 * panel.numbers("vertices", 2)
         ends[name] = vertices[np.array([edge.indices("endpoints") for edge in panel.records("edges")])]
         wanted = [outline for piece in build.pieces if piece.patch == name for outline in of_piece(piece)[:1]]
-        yield from _outlines(file, "GarmentCode", wanted[:1], {"": [vertices]}, EXACT, moved=True)
+        yield from _lines(file, "GarmentCode", wanted[:1], {"": [DrawnLine(vertices, True)]}, EXACT, moved=True)
     for number, stitch in enumerate(pattern.record_lists("stitches")):
         lengths = []
         for side in stitch:

@@ -1,13 +1,15 @@
-"""Read the outlines of a DXF, plain or in a dialect of the clothing trade: group codes and values, line by line."""
+"""Read the lines of a DXF, plain or in a dialect of the clothing trade: group codes and values, line by line."""
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
+from flatnet.verify.drawing import DrawnLine
+from flatnet.verify.exports.lines import drawn_line
 from flatnet.verify.written import DamagedError
 
 Floats = NDArray[np.float64]
@@ -15,14 +17,22 @@ Pair = tuple[int, str]
 
 
 @dataclass(frozen=True, eq=False)
-class DxfContent:
-    """Closed polylines by the block that they are in ("" for the drawing itself), and by layer; (k, 2) each."""
+class DxfBlock:
+    """What a block shows, by layer: `lines`, and `points` (2,) mm each."""
 
-    blocks: dict[str, dict[str, list[Floats]]] = field(default_factory=dict)
+    lines: dict[str, list[DrawnLine]] = field(default_factory=dict)
+    points: dict[str, list[Floats]] = field(default_factory=dict)
+
+
+@dataclass(frozen=True, eq=False)
+class DxfContent:
+    """The blocks by their names; that of the drawing itself is ""."""
+
+    blocks: dict[str, DxfBlock] = field(default_factory=dict)
 
 
 def read_dxf(file: str, text: str) -> DxfContent:
-    """LWPOLYLINE, and POLYLINE with its VERTEX entities, as far as they are closed.
+    """LINE, LWPOLYLINE, POLYLINE with its VERTEX entities, and POINT.
 
     Raises
     ------
@@ -41,16 +51,22 @@ def read_dxf(file: str, text: str) -> DxfContent:
                 block = _first(entity, 2)
             elif kind == "ENDBLK":
                 block = ""
-            elif kind == "LWPOLYLINE" and int(_first(entity, 70)) & 1:
-                xs, ys = ([float(value) for code, value in entity if code == axis] for axis in (10, 20))
-                _add(content, block, _first(entity, 8), np.array([xs, ys]).T)
+            elif kind == "LINE":
+                ends = [[float(_first(entity, code)) for code in codes] for codes in ((10, 20), (11, 21))]
+                _add(content, block, _first(entity, 8), ends, closed=False)
+            elif kind == "POINT":
+                place = np.array([float(_first(entity, code)) for code in (10, 20)])
+                points = content.blocks.setdefault(block, DxfBlock()).points
+                points.setdefault(_first(entity, 8), []).append(place)
+            elif kind == "LWPOLYLINE":
+                places = zip(*([float(value) for code, value in entity if code == axis] for axis in (10, 20)))
+                _add(content, block, _first(entity, 8), list(places), bool(int(_first(entity, 70)) & 1))
             elif kind == "POLYLINE":
                 polyline = (_first(entity, 8), [], bool(int(_first(entity, 70, "0")) & 1))
             elif kind == "VERTEX" and polyline is not None:
                 polyline[1].append([float(_first(entity, 10)), float(_first(entity, 20))])
             elif kind == "SEQEND" and polyline is not None:
-                if polyline[2]:
-                    _add(content, block, polyline[0], np.array(polyline[1]))
+                _add(content, block, *polyline)
                 polyline = None
     except ValueError as error:
         raise DamagedError(file, f"is no DXF, or cut short: {error}") from None
@@ -81,7 +97,9 @@ def _first(entity: list[Pair], code: int, default: str | None = None) -> str:
     return default
 
 
-def _add(content: DxfContent, block: str, layer: str, points: Floats) -> None:
+def _add(content: DxfContent, block: str, layer: str, places: Sequence[Sequence[float]], closed: bool) -> None:
+    points = np.array(places)
     if points.ndim != 2 or not np.isfinite(points).all():
         raise ValueError(f"a polyline on layer '{layer}' has no finite vertices")
-    content.blocks.setdefault(block, {}).setdefault(layer, []).append(points)
+    lines = content.blocks.setdefault(block, DxfBlock()).lines
+    lines.setdefault(layer, []).append(drawn_line(points, closed))

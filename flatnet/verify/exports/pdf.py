@@ -1,4 +1,4 @@
-"""Read the closed lines of a PDF's pages, in mm from the lower left corner of each; by pypdf."""
+"""Read the lines of a PDF's pages, in mm from the lower left corner of each; by pypdf."""
 
 from __future__ import annotations
 
@@ -7,17 +7,18 @@ from io import BytesIO
 from typing import Any
 
 import numpy as np
-from numpy.typing import NDArray
 
+from flatnet.verify.drawing import DrawnLine
+from flatnet.verify.exports.lines import drawn_line
 from flatnet.verify.written import DamagedError
 
-Floats = NDArray[np.float64]
-
 MM = 25.4 / 72.0  # in a point
+#: Operators that end a path: this one strokes it, those fill it or do nothing.
+STROKED, UNSEEN = b"S", (b"f", b"n")
 
 
-def read_pdf(file: str, content: bytes) -> list[list[Floats]]:
-    """Page by page its closed paths, (k, 2) each.
+def read_pdf(file: str, content: bytes) -> list[list[DrawnLine]]:
+    """Page by page what is stroked of straight parts.
 
     Raises
     ------
@@ -32,17 +33,18 @@ def read_pdf(file: str, content: bytes) -> list[list[Floats]]:
     logging.getLogger("pypdf").setLevel(logging.CRITICAL)  # what is wrong is said here
     try:
         reader = pypdf.PdfReader(BytesIO(content), strict=True)
-        return [_closed_paths(page, reader) for page in reader.pages]
+        return [_lines(page, reader) for page in reader.pages]
     except (PyPdfError, ArithmeticError, LookupError, TypeError, ValueError) as error:
         raise DamagedError(file, f"is no PDF, or cut short: {error}") from None
 
 
-def _closed_paths(page: Any, reader: Any) -> list[Floats]:
+def _lines(page: Any, reader: Any) -> list[DrawnLine]:
     from pypdf.generic import ContentStream
 
     matrix, kept = np.eye(3), []
     point: list[list[float]] = []
-    paths: list[Floats] = []
+    lines: list[DrawnLine] = []
+    closed = False
     contents = page.get_contents()
     for operands, operator in ContentStream(contents, reader).operations if contents is not None else ():
         if operator == b"q":
@@ -53,10 +55,14 @@ def _closed_paths(page: Any, reader: Any) -> list[Floats]:
             a, b, c, d, x, y = map(float, operands)
             matrix = np.array([[a, b, 0.0], [c, d, 0.0], [x, y, 1.0]]) @ matrix
         elif operator == b"m":
-            point = [[*map(float, operands), 1.0]]
+            point, closed = [[*map(float, operands), 1.0]], False
         elif operator == b"l":
             point.append([*map(float, operands), 1.0])
-        elif operator == b"h" and point:
-            paths.append(MM * (np.array(point) @ matrix)[:, :2])
+        elif operator == b"h":
+            closed = True
+        elif operator == STROKED and point:
+            lines.append(drawn_line(MM * (np.array(point) @ matrix)[:, :2], closed))
             point = []
-    return paths
+        elif operator in UNSEEN:
+            point = []
+    return lines
