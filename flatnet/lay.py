@@ -53,11 +53,13 @@ def lay(
     ProjectError
         The file of materials is invalid.
     LayError, InstanceError
-        A source holds no pieces, two of them have different materials of one name, or a piece asks for a zone that
-        its material does not have; nothing is written.
+        A source holds no pieces, or is `out` itself, whose patches would be gone; two of them have different materials
+        of one name, or a piece asks for a zone that its material does not have; nothing is written.
     OutputError
         The folder can't be used or written.
     """
+    if any(Path(source).resolve() == Path(out).resolve() for source in sources):
+        raise LayError(f"{out}: is laid itself, and layouts take the place of all that is in it; name another folder")
     others = {} if materials_file is None else load_materials(materials_file)
     title, pieces, materials, unmade = _read([Path(source) for source in sources], others)
     layouts: list[Layout] = []

@@ -131,6 +131,16 @@ def test_two_sizes_are_laid_together(tmp_path):
     assert shapely.Polygon(drawn).area == pytest.approx(expected, rel=1e-5)
 
 
+def test_a_build_is_not_laid_into_itself(tmp_path, capsys):
+    """Its patches, and the certificate, would be gone."""
+    build = written_build(tmp_path / "S", LETTER_F, "letters", "S", cloth(width=450.0))
+    (build / "report.json").write_text(json.dumps({"format": "flatnet-report/1", "files": ["pieces.json"]}))
+    before = (build / "pieces.json").read_bytes()
+    assert main(["nest", str(build), "-o", str(tmp_path / "S" / ".." / "S"), "--seconds", "1"]) == 2
+    assert "is laid itself" in capsys.readouterr().err
+    assert (build / "pieces.json").read_bytes() == before
+
+
 TWO_DIMENSIONAL = "svg,dxf,dxf-astm,dxf-aama,pdf,pdf-a4,hpgl,cutlist"
 
 
