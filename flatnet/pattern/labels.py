@@ -139,7 +139,10 @@ def _inscribed_circle(free: Geometry) -> tuple[Floats, float]:
 
 
 def room_for_text(inside: Polygon, lines: Sequence[Floats]) -> Geometry:
-    """The part of a piece that is clear of its sew line and of other lines, (k, 2) mm each."""
+    """The part of a piece that is clear of its rim and of lines, (k, 2) mm each.
+
+    A slit that does not open in the plane is no part of the rim: the sew line is one of the lines.
+    """
     clear = min(CLEAR, CLEAR_PART * float(np.sqrt(inside.area)))
     drawn = shapely.union_all([LineString(line) for line in lines])
     return inside.buffer(-clear).difference(drawn.buffer(clear))

@@ -39,7 +39,7 @@ def half_on_fold(piece: Piece, fold: Fold) -> Piece:
         allowances=np.append(piece.allowances[: count - 1], 0.0), marks=tuple(marks), on_fold=True,
     )  # fmt: skip
     lines = [line for notch in notches for line in notch.lines] + [line for mark in marks for line in mark.lines]
-    free = room_for_text(region_of(sew_line), lines)
+    free = room_for_text(region_of(sew_line), [sew_line, *lines])
     name, *rest = half.description
     label = name_label(name, rest, free)
     free = free.difference(label.box)

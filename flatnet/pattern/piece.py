@@ -188,7 +188,7 @@ def make_piece(
     notches += tuple(notch for dart in darts for notch in dart_notches(dart, cut))
     drawn, far = _marks(fitted, marks, darts, fold)
     lines = [line for notch in notches for line in notch.lines] + [line for mark in drawn for line in mark.lines]
-    free = room_for_text(inside, lines)
+    free = room_for_text(inside, [sew_line[np.r_[:len(sew_line), 0]], *lines])
     label = name_label(patch.name, what_to_cut(*copies, material.name, project), free)
     runs, free = _seam_runs(edged, seams, free.difference(label.box))
     return Piece(

@@ -151,6 +151,15 @@ def test_labels_and_grain_lie_inside_and_clear_of_each_other(outline):
                    for other in shapes[:i])
 
 
+def test_no_label_covers_a_slit_that_lies_closed():
+    """It is no part of the rim of what is inside, yet it is drawn."""
+    slit = np.array([[0, 0], [100, 0], [100, 50], [20, 50], [100, 50], [100, 100], [0, 100]], float)
+    made = piece(slit)
+    boxes = [made.label.box, *(seam.label.box for seam in made.seams if seam.label)]
+    lines = shapely.LineString(slit[2:5])
+    assert not any(lines.intersects(shape) for shape in [*boxes, shapely.LineString(made.grain)])
+
+
 def test_seam_labels_read_along_their_seam_next_to_it():
     for run in piece(SQUARE, name="s").seams:
         start, end = SQUARE[run.vertices[0]], SQUARE[run.vertices[-1]]
