@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, replace
 
 from flatnet.network.network import CurveNetwork, SampledStretch
 from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
 from flatnet.pattern.sewn import Join, join
+from flatnet.project.curve_specs import CurveSpec
 from flatnet.project.model import Project
 from flatnet.project.problems import Problem, ProjectError
 from flatnet.project.seam_specs import SeamSpec
+
+#: More notches or nicks than this in one row are a slip of the unit, and would take minutes to place.
+MOST_IN_A_ROW = 10_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +58,7 @@ def plan_seams(project: Project, network: CurveNetwork) -> dict[str, Seam]:
     Raises
     ------
     ProjectError
-        A notch lies beyond the end of its curve.
+        A notch lies beyond the end of its curve, or there would be far too many.
     """
     patches: dict[str, list[str]] = {name: [] for name in network.stretches}
     for patch in network.patches:
@@ -120,6 +124,10 @@ def _notched(project: Project, stretches: Mapping[str, SampledStretch]) -> dict[
         spec = curve.seam.notches
         parts = [stretch for stretch in stretches.values() if stretch.curve == curve.name]
         total = sum(stretch.length for stretch in parts)
+        crowded = list(_crowded(curve, total))
+        problems += crowded
+        if crowded:
+            continue
         start = 0.0
         for stretch in parts:
             notches = place_notches(spec, stretch, start, total) if spec else ()
@@ -132,3 +140,14 @@ def _notched(project: Project, stretches: Mapping[str, SampledStretch]) -> dict[
     if problems:
         raise ProjectError(project.file, problems)
     return found
+
+
+def _crowded(curve: CurveSpec, length: float) -> Iterator[Problem]:
+    """Rows of notches or nicks that are far too close."""
+    for key, row in (("notches", curve.seam.notches), ("nicks", curve.seam.nicks)):
+        if row is not None and row.every is not None and length > MOST_IN_A_ROW * row.every:
+            yield Problem(
+                curve.mark,
+                f"curve {curve.name!r}: {key}: one every {row.every:g} mm would be {length / row.every:.3g} along its "
+                f"{length:.1f} mm, more than {MOST_IN_A_ROW}; give a larger distance",
+            )

@@ -30,7 +30,8 @@ from flatnet.project.yaml_nodes import is_number, mark_of
 
 SEAM_KEYS = ("allowance", "ends", "notches", "dart", "nicks", "sewn_to")
 _DART_KEYS = ("fold", "drill")
-_NOTCH_KEYS = ("every", "at", "nodes", "kind", "marks", "depth")
+_NOTCH_PLACES = ("every", "at", "nodes")
+_NOTCH_KEYS = (*_NOTCH_PLACES, "kind", "marks", "depth")
 _NICK_KEYS = ("every", "radius", "clear", "folded")
 _SEWN_KEYS = ("curves", "ease")
 _PART = re.compile(r"(\d+(?:\.\d*)?)\s*%", re.ASCII)
@@ -95,10 +96,12 @@ def _notches(section: Section, mm_per_unit: float) -> NotchSpec:
     if "at" in inner.values:
         length = length_in(mm_per_unit, negative=False)
         for label, item in inner.items("at", inner.values["at"], "a list of lengths and percentages"):
-            if _is_part(item):
-                parts.append(inner.read(label, item, _part_up_to(1.0), 0.5))
-            else:
+            if is_number(item):
                 at.append(inner.read(label, item, length, 0.0))
+            else:
+                parts.append(inner.read(label, item, _part_up_to(1.0), 0.5))
+    if not any(key in inner.values for key in _NOTCH_PLACES):
+        section.problem(node, "notches: says no place; give 'every', 'at' or 'nodes'")
     kinds = one_of("slit", "T", "V", "castle")
     return NotchSpec(
         every=inner.get("every", step, None),
@@ -149,14 +152,12 @@ def _nicks(section: Section, mm_per_unit: float) -> NickSpec:
     )
 
 
-def _is_part(node: yaml.Node) -> bool:
-    return isinstance(node, yaml.ScalarNode) and _PART.fullmatch(node.value) is not None
-
-
 def _part_up_to(most: float) -> Parser[float]:
-    """A percentage -> its part of 1."""
+    """A percentage, where a length could stand too -> its part of 1."""
 
     def parser(node: yaml.Node) -> float:
+        if not isinstance(node, yaml.ScalarNode) or not _PART.fullmatch(node.value):
+            raise wrong(node, f"a length, or a percentage from 0% to {100.0 * most:g}%")
         part = float(node.value.rstrip("% ")) / 100.0
         if part > most:
             raise wrong(node, f"at most {100.0 * most:g}%")
@@ -172,7 +173,7 @@ def _sewn_to(section: Section, mm_per_unit: float) -> SewnTo:
     curves: tuple[tuple[str, bool], ...] = ()
     if isinstance(node, yaml.MappingNode):
         inner = Section(node, f"{section.title}: sewn_to", mark_of(node), _SEWN_KEYS, section.problems)
-        if "ease" in inner.values and _is_part(inner.values["ease"]):
+        if "ease" in inner.values and not is_number(inner.values["ease"]):
             part = inner.get("ease", _part_up_to(_MOST_EASE), 0.0)
         else:
             length = inner.get("ease", length_in(mm_per_unit, negative=False), 0.0)

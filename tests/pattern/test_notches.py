@@ -223,3 +223,12 @@ def test_a_notch_beyond_its_curve_is_a_problem_of_the_project(out, tmp_path, cap
     (tmp_path / "roll.yaml").write_text(yaml.safe_dump(project))
     assert main(["check", str(tmp_path / "roll.yaml")]) == 2
     assert "curve 'cd': notches: 500 mm is beyond its end, it is 110.0 mm long" in capsys.readouterr().err
+
+
+@pytest.mark.parametrize("key", ["notches", "nicks"])
+def test_a_row_of_far_too_many_is_a_problem_of_the_project(out, tmp_path, capsys, key):
+    project = yaml.safe_load((out.parent / "roll.yaml").read_text())
+    project["curves"]["cd"][key] = 1e-9
+    (tmp_path / "roll.yaml").write_text(yaml.safe_dump(project))
+    assert main(["check", str(tmp_path / "roll.yaml")]) == 2
+    assert f"curve 'cd': {key}: one every 1e-09 mm would be 1.1e+11 along its 110.0 mm" in capsys.readouterr().err
