@@ -77,11 +77,15 @@ class FaceMatcher:
         """The faces that an `around` may stand for, with their darts from where it starts."""
         found = []
         for face in self.faces:
-            turns = (face.darts[i:] + face.darts[:i] for i in range(len(face.darts)))
-            darts = next((turn for turn in turns if self._reads(around, turn)), None)
+            darts = self._turned(around, face.darts)
             if darts:
                 found.append((face, darts))
         return found
+
+    def _turned(self, around: Sequence[SignedCurve], darts: tuple[Dart, ...]) -> tuple[Dart, ...] | None:
+        """The darts of a loop from where an `around` starts; None where it is another loop."""
+        turns = (darts[i:] + darts[:i] for i in range(len(darts)))
+        return next((turn for turn in turns if self._reads(around, turn)), None)
 
     def _reads(self, around: Sequence[SignedCurve], darts: Sequence[Dart]) -> bool:
         """Whether the darts are the entries of `around`, in order, each a run of stretches of its curve."""
@@ -114,6 +118,12 @@ class FaceMatcher:
             written = " or ".join(_around(darts) for _, darts in matches)
             return f"around {_around(around)} fits {len(matches)} faces; name the stretches: {written}"
         message = f"around {_around(around)} is no face of the network"
+        for face in self.faces:
+            rim = tuple(dart for dart in face.darts if dart.opposite not in face.darts)
+            if len(rim) < len(face.darts) and self._turned(around, rim):
+                return f"{message}; curves that run inside it belong there, there and back: " + (
+                    self.shortest_around(face.darts)
+                )
         backwards = [SignedCurve(e.curve, not e.reversed, e.stretch, e.mark) for e in reversed(around)]
         if self.matches(backwards):
             message += (

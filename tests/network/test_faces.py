@@ -74,6 +74,20 @@ def test_a_slit_that_nothing_joins_is_named(tmp_path, rest):
     assert len(network_of(tmp_path, **sections).patches) == 1
 
 
+def test_an_around_without_the_slit_in_it_is_told_where_that_belongs(tmp_path):
+    """And not that the face is the other side of the loop."""
+    nodes, curves = square()
+    nodes |= {"tip": [10, 10, 0]}
+    curves |= {"dart": line("sw", "tip", slit=True)}
+    sections = {"nodes": nodes, "curves": flat(curves), "rest": "openings"}
+    with pytest.raises(ProjectError, match="belong there, there and back") as caught:
+        network_of(tmp_path, **sections, patches={"p": {"around": SQUARE_AROUND}})
+    (problem,) = caught.value.problems
+    around = yaml.safe_load(problem.message.split("back: ")[1])
+    assert {"dart", "-dart"} < set(around) and "other way" not in problem.message
+    assert len(network_of(tmp_path, **sections, patches={"p": {"around": around}}).patches) == 1
+
+
 @pytest.mark.parametrize(
     ("sections", "faces"),
     [(TETRAHEDRON, 4), (polyhedron(CUBE_VERTICES, CUBE_FACES), 6), (OCTAHEDRON, 8)],
