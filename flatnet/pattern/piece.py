@@ -210,8 +210,8 @@ def make_piece(
         nicks=_nicks(fitted, edged, rings, seams, notches),
         fold=fold,
         warnings=(
-            *(_crowded(patch, edged, first, count) for first, count in cut.crowded),
-            *_deep_notches(patch, notches),
+            *(_crowded(patch, edged, first, count, also) for first, count in cut.crowded),
+            *_deep_notches(patch, notches, also),
             *far,
         ),
     )
@@ -310,8 +310,16 @@ def _on_boundary(stretch: Stretch, notch: SeamNotch) -> tuple[int, float, int]:
     return stretch.first + notch.edge, notch.fraction, notch.marks
 
 
-def _deep_notches(patch: Patch, notches: Sequence[Notch]) -> Iterator[Finding]:
+def _also_of(also: AlsoSpec | None, curves: str) -> tuple[str, str]:
+    """In a warning: which of a patch's pieces it is, and whose allowance counts, that of its curves or one for all."""
+    if also is None:
+        return "", curves
+    return f" of {also.material!r}", curves if also.allowance is None else f"{also.material!r} under `also`"
+
+
+def _deep_notches(patch: Patch, notches: Sequence[Notch], also: AlsoSpec | None) -> Iterator[Finding]:
     """One warning for every seam whose notches reach across the sew line."""
+    which, whose = _also_of(also, "its curve")
     for seam in dict.fromkeys(notch.seam for notch in notches):
         over = [n.depth - float(np.linalg.norm(n.foot - n.position)) for n in notches if n.seam == seam]
         if max(over) > TOUCH:
@@ -322,12 +330,13 @@ def _deep_notches(patch: Patch, notches: Sequence[Notch]) -> Iterator[Finding]:
                 where=f"'{seam}'",
                 amount=max(over),
                 unit="mm",
-                message=f"notches of '{seam}' reach {max(over):.1f} mm across the sew line into the piece.",
-                remedy="Give its curve a larger `allowance` or its `notches` a smaller `depth`.",
+                message=f"notches of '{seam}' reach {max(over):.1f} mm across the sew line into the piece{which}.",
+                remedy=f"Give {whose} a larger `allowance` or the curve's `notches` a smaller `depth`.",
             )
 
 
-def _crowded(patch: Patch, edged: Edging, first: int, count: int) -> Finding:
+def _crowded(patch: Patch, edged: Edging, first: int, count: int, also: AlsoSpec | None) -> Finding:
+    which, whose = _also_of(also, "its curves")
     edges = np.arange(first, first + count + 1) % len(edged.widths)
     length, width = float(side_lengths(edged.sew_line)[edges[:-1]].sum()), float(edged.widths[edges[:-1]].max())
     start, end = (patch.boundary.place(int(edged.sources[vertex])) for vertex in edges[[0, -1]])
@@ -338,9 +347,9 @@ def _crowded(patch: Patch, edged: Edging, first: int, count: int) -> Finding:
         where=f"from {start} to {end}",
         amount=length,
         unit="mm",
-        message=f"the allowance of {width:g} mm has no room along {length:.0f} mm, from {start} to {end}: the piece "
-        "itself or another allowance lies there, and the cut line leaves this part of the sew line out.",
-        remedy="Give its curves a smaller `allowance`, 0 at the least, or divide the patch.",
+        message=f"the allowance of {width:g} mm{which} has no room along {length:.0f} mm, from {start} to {end}: the "
+        "piece itself or another allowance lies there, and the cut line leaves this part of the sew line out.",
+        remedy=f"Give {whose} a smaller `allowance`, 0 at the least, or divide the patch.",
     )
 
 

@@ -14,6 +14,7 @@ from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
 from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
 from flatnet.pattern.seams import Seam
+from flatnet.project.patch_specs import AlsoSpec
 from flatnet.project.seam_specs import NotchSpec, SeamSpec
 
 
@@ -112,7 +113,7 @@ def test_a_notch_stands_on_the_cut_line_over_its_place_on_the_sew_line(seed):
     assert [w for w in made.warnings if w.code == "deep_notch"] == []
 
 
-def square(depth=4.0, kind="slit", stretches=None, nodes=False):
+def square(depth=4.0, kind="slit", stretches=None, nodes=False, also=None):
     spec = SeamSpec(3.0, 3.0, notches=NotchSpec(kind=kind, depth=depth, nodes=nodes))
     notches = (SeamNotch(0, 0.25, 25.0),)
     seams = {
@@ -120,12 +121,19 @@ def square(depth=4.0, kind="slit", stretches=None, nodes=False):
                           start=f"n{i}", end=f"n{(i + 1) % 4}")
         for i in range(4)
     }  # fmt: skip
-    return make_piece(fitted(SQUARE, stretches=stretches), cloth(), seams)
+    return make_piece(fitted(SQUARE, stretches=stretches), cloth(), seams, also=also)
 
 
 def test_a_notch_across_the_sew_line_is_a_warning():
     found = [(w.code, w.amount) for w in square(depth=4.0).warnings]
     assert found == [("deep_notch", pytest.approx(1.0))] * 4
+
+
+@pytest.mark.parametrize("allowance, whose", [(0.0, "'lining' under `also`"), (None, "its curve")])
+def test_a_warning_of_a_further_material_says_which_and_what_counts_there(allowance, whose):
+    (warning, *_) = square(depth=5.0, also=AlsoSpec("lining", 1, 0, allowance)).warnings
+    assert "across the sew line into the piece of 'lining'." in warning.message
+    assert f"Give {whose} a larger `allowance`" in warning.remedy
 
 
 @pytest.mark.parametrize("kind, lines, width", [("slit", 1, 0), ("T", 2, 4), ("V", 1, 4), ("castle", 1, 4)])
