@@ -21,9 +21,11 @@ WIDTH = 14.0  # inches, as are all lengths here
 PROPORTION = 0.58
 TALLEST_ROW = 7.5
 GAP, MARGIN, HEAD, CAPTION = 0.25, 0.25, 0.6, 0.5
-#: Points of a caption; a letter is about 0.58 as wide.
-CAPTION_SIZE = 9.0
+#: Points of a caption, and at the least; a letter is about so much as wide.
+CAPTION_SIZE, LEAST_CAPTION_SIZE, LETTER = 9.0, 5.0, 0.58
 LEAST_LETTERS = 16
+#: Part of the gap between panels that a caption may take.
+CAPTION_GAP = 0.7
 
 
 def contact_sheet(build: BuildFiles) -> bytes:
@@ -96,11 +98,22 @@ def _add_panel(figure: Figure, panel: Panel, left: float, top: float, height: fl
     axes.set_xlim(panel.low[0], panel.high[0])
     axes.set_ylim(*((panel.high[1], panel.low[1]) if panel.y_down else (panel.low[1], panel.high[1])))
     panel.paint(axes, width / float(panel.high[0] - panel.low[0]) / POINT)
-    letters = int(width / (0.58 * CAPTION_SIZE * POINT))
-    caption = textwrap.fill(panel.caption, max(letters, LEAST_LETTERS))
+    caption, points, fits = fitted_caption(panel.caption, width)
     # A caption wider than its panel goes to the left, where there is always paper.
-    x, side = (left, "left") if letters >= LEAST_LETTERS else (left + width, "right")
-    figure.text(x / page[0], (top + 0.08) / page[1], caption, fontsize=CAPTION_SIZE, va="bottom", ha=side)
+    x, side = (left, "left") if fits else (left + width, "right")
+    figure.text(x / page[0], (top + 0.08) / page[1], caption, fontsize=points, va="bottom", ha=side)
+
+
+def fitted_caption(caption: str, width: float) -> tuple[str, float, bool]:
+    """Its lines, their points, and whether they fit a panel of that width, in inches.
+
+    Over narrow panels it has the gap beside it too, and becomes smaller where it would reach the caption next to it.
+    """
+    letters = int(width / (LETTER * CAPTION_SIZE * POINT))
+    text = textwrap.fill(caption, max(letters, LEAST_LETTERS))
+    longest = max(map(len, text.splitlines()))
+    largest = (width + CAPTION_GAP * GAP) / (LETTER * POINT * longest)
+    return text, float(np.clip(largest, LEAST_CAPTION_SIZE, CAPTION_SIZE)), letters >= LEAST_LETTERS
 
 
 def _add_head(figure: Figure, build: BuildFiles) -> None:

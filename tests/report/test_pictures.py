@@ -9,6 +9,8 @@ import matplotlib
 import numpy as np
 import pytest
 import shapely
+from matplotlib.backends.backend_agg import FigureCanvasAgg
+from matplotlib.figure import Figure
 from matplotlib.image import imread
 from pieces import cloth, piece
 
@@ -17,7 +19,16 @@ from flatnet.export.drawn_layout import DrawnPiece, read_layout
 from flatnet.export.obj import write_obj
 from flatnet.export.svg import write_layout
 from flatnet.nesting import Layout, Placement
-from flatnet.report.contact_sheet import CAPTION, GAP, MARGIN, RESOLUTION, TALLEST_ROW, WIDTH, break_rows
+from flatnet.report.contact_sheet import (
+    CAPTION,
+    GAP,
+    MARGIN,
+    RESOLUTION,
+    TALLEST_ROW,
+    WIDTH,
+    break_rows,
+    fitted_caption,
+)
 from flatnet.report.panels import _name
 
 OUTLINE = np.array([[0, 0], [200, 0], [200, 150], [0, 150]], float)
@@ -182,6 +193,17 @@ def test_rows_fill_the_width_and_hold_all_panels():
             width = height * sum(next(rest) for _ in range(n)) + GAP * (n - 1) + 2.0 * MARGIN
             assert width == pytest.approx(WIDTH) or (height == TALLEST_ROW and width < WIDTH)
         assert len(rows) * CAPTION < sum(height for _, height in rows)
+
+
+@pytest.mark.parametrize("width", [0.5, 0.69, 0.76, 0.95, 3.0])
+def test_captions_of_narrow_panels_beside_each_other_stay_apart(width):
+    """Measured as matplotlib draws them."""
+    sheet = "600\u00a0×\u00a0138\u00a0mm"
+    text, points, fits = fitted_caption(f"leather: {sheet}, 50\u00a0%\u00a0used", width)
+    figure = Figure(figsize=(14, 8))
+    box = figure.text(0.5, 0.5, text, fontsize=points).get_window_extent(FigureCanvasAgg(figure).get_renderer())
+    assert box.width / figure.dpi < width + (0.0 if fits else GAP)
+    assert sheet in text and points >= 5.0
 
 
 def spoil(name, content):
