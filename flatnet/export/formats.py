@@ -157,7 +157,7 @@ def title(build: WrittenBuild, sheet: Sheet) -> str:
     """What a sheet is, in one line."""
     layout = sheet.layout
     length, width = layout.size
-    parts = [build.content.title, layout.name, f"{width:g} x {length:.1f} mm"]
+    parts = [build.content.title, layout.name, f"{round(width, 1):g} x {length:.1f} mm"]
     if build.missing:
         parts.append(f"INCOMPLETE: missing {', '.join(build.missing)}")
     return " · ".join(parts)

@@ -71,7 +71,7 @@ def write_layout(
     length, width = layout.size
     title = [
         f"{project} · {layout.name}",
-        f"{width:g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
+        f"{round(width, 1):g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
     ]
     if layout.draft:
         title.append("draft: not nested")

@@ -170,7 +170,8 @@ def _order_around(
             spec.mark,
             f"ambiguous_faces: curves '{one.stretch}' and '{other.stretch}' leave node '{node}' within "
             f"{np.degrees(gaps[k]):.2f} degrees of each other in its tangent plane (at least "
-            f"{np.degrees(SMALLEST_ANGLE):g} are needed to tell their order); join them or part them",
+            f"{np.degrees(SMALLEST_ANGLE):g} are needed to tell their order); join them, "
+            "part them, or give one of the curves there other normals, as on both sides of a crease",
         )
     return [leaving[i] for i in order]
 

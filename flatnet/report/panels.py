@@ -217,7 +217,7 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
     width = record["sheet_width_mm"]
     length = max(x for x, _ in hide["outline"]) if hide else record["used_length_mm"]
     space = "\u00a0"  # where a caption is not to be broken
-    size, used = f"{width:g} × {length:.0f} mm", f"{100.0 * record['utilisation']:.0f} % used"
+    size, used = f"{round(width, 1):g} × {length:.0f} mm", f"{100.0 * record['utilisation']:.0f} % used"
     caption = f"{record['material']}: {size.replace(' ', space)}, {used.replace(' ', space)}"
     if record["draft"]:
         caption += " (draft: not nested)"

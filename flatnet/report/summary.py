@@ -44,7 +44,7 @@ def _sheet_line(layout: dict[str, Any], folder: Path) -> str:
     length = max(x for x, _ in hide["outline"]) if hide else layout["used_length_mm"]
     return (
         f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {'a hide of ' if hide else ''}"
-        f"{layout['sheet_width_mm']:g} x {length:.0f} mm, {100 * layout['utilisation']:.1f} % used"
+        f"{round(layout['sheet_width_mm'], 1):g} x {length:.0f} mm, {100 * layout['utilisation']:.1f} % used"
         + (" (draft)" if layout["draft"] else "")
     )
 
@@ -73,9 +73,10 @@ def _walk_lines(walks: Sequence[dict[str, Any]]) -> list[str]:
     lines = []
     if seams:
         worst = max(seams, key=lambda walk: walk["largest_difference_mm"])
+        legs = counted(sum(len(walk["legs"]) for walk in seams), "length")
         lines.append(
-            f"seam walk: {counted(len(seams), 'seam')}, {sum(len(walk['legs']) for walk in seams)} lengths from notch "
-            f"to notch, both sides alike to {worst['largest_difference_mm']:.1g} mm"
+            f"seam walk: {counted(len(seams), 'seam')}, {legs} from notch to notch, both sides alike to "
+            f"{worst['largest_difference_mm']:.1g} mm"
         )
     for walk in walks:
         if walk["a"] != walk["b"]:
