@@ -12,6 +12,7 @@ import shapely
 import yaml
 from shapely import MultiPolygon, Polygon
 
+from flatnet.project.drawings.file_curve import closed_paths, refined
 from flatnet.project.imports import read_drawing_at
 from flatnet.project.section import Section
 from flatnet.project.values import LARGEST_LENGTH, NAME, Parser, WrongValueError, length_in, unit, wrong
@@ -20,6 +21,8 @@ from flatnet.project.yaml_nodes import mark_of
 #: (x, y) in mm, closed.
 Ring = tuple[tuple[float, float], ...]
 
+#: Chords leave a drawn rim by less, mm.
+CHORD = 0.1
 _HIDE_KEYS = ("outline", "units", "defects", "zones")
 #: A curve of a drawing that is the zone A is named so; a name in SVG or a layer in DXF.
 _ZONE = re.compile(rf"zone[_.\- ]({NAME})", re.IGNORECASE)
@@ -146,7 +149,9 @@ def _drawn(
     nothing: tuple[Ring, list[Ring], list[tuple[str, Ring]]] = ((), [], [])
     node = section.values["outline"]
     before = len(section.problems)
-    curves = [c for c in read_drawing_at(file, section, "outline", node) if c.closed and len(c.points) > 3]
+    parts = read_drawing_at(file, section, "outline", node)
+    read = closed_paths([refined(part, CHORD / scale) for part in parts])
+    curves = [c for c in read if c.closed and len(c.points) > 3]
     if len(section.problems) > before:
         return nothing
     rings: list[tuple[str, Ring]] = [

@@ -80,6 +80,23 @@ def test_an_svg_lies_as_it_is_seen(tmp_path: Path) -> None:
     assert np.allclose(hide.zone("A").bounds, (50.0, 40.0, 70.0, 50.0))
 
 
+def test_what_is_drawn_with_curves_and_corners_is_whole_and_true(tmp_path: Path) -> None:
+    """Half disks: drawn as one path of two parts, neither of them closed, their bows within 0.1 mm."""
+    (tmp_path / "hide.svg").write_text(
+        '<svg xmlns="http://www.w3.org/2000/svg" width="2000mm" height="1000mm" viewBox="0 0 2000 1000">'
+        '<path d="M 0 0 A 1000 1000 0 0 0 2000 0 L 1000 -9 Z"/>'
+        '<path id="zone_A" d="M 200 100 h 900 v 300 h -900 z"/>'
+        '<path id="scar" d="M 500 200 a 50 50 0 0 0 100 0 z"/></svg>'
+    )
+    (hide,) = hides(tmp_path, "{outline: hide.svg, units: mm}")
+    assert hide.size == pytest.approx((2000.0, 1009.0))
+    (scar,) = hide.defects
+    assert shapely.Polygon(scar).area == pytest.approx(0.5 * np.pi * 50.0**2, rel=0.005)
+    bow = np.array([point for point in hide.outline if point[1] < 999.0])
+    middles = 0.5 * (bow[1:] + bow[:-1])
+    assert 999.9 < np.linalg.norm(middles - [1000.0, 1000.0], axis=1).min() < 1000.0
+
+
 def test_a_drawing_without_a_closed_curve_is_told(tmp_path: Path) -> None:
     (tmp_path / "line.svg").write_text('<svg xmlns="http://www.w3.org/2000/svg"><path d="M 0 0 H 9"/></svg>')
     (problem, *_) = problems_of(tmp_path, SQUARE.replace("HIDES", "{outline: line.svg}"))

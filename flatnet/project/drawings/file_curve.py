@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +12,8 @@ Floats = NDArray[np.float64]
 
 #: Points that stand for one cubic Bezier segment or a comparable stretch of a smooth curve, after its first.
 SAMPLES = 16
+#: No curve is refined further than to this part of its largest coordinate.
+FINEST = 1e-5
 #: A path of several segments is smooth where it turns by no more than this from one to the next, rad.
 SMOOTH = np.radians(5.0)
 
@@ -86,6 +89,41 @@ def path_curves(name: str, pieces: list[Floats]) -> list[FileCurve]:
         else FileCurve(name, joined([_divided(piece) for piece in run]), smooth=True)
         for run in runs
     ]
+
+
+def refined(curve: FileCurve, tolerance: float) -> FileCurve:
+    """A smooth curve with so many points that its chords leave it by less than a tolerance; any other as it is.
+
+    Points halfway follow from the four around them (Dyn, Levin and Gregory 1987), which is exact on a cubic segment.
+    """
+    points = curve.points
+    tolerance = max(tolerance, FINEST * float(np.abs(points).max()))
+    while curve.smooth and len(points) > 3:
+        ahead, beyond = (4.0 * p[0] - 6.0 * p[1] + 4.0 * p[2] - p[3] for p in (points, points[::-1]))
+        around = np.vstack([ahead, points, beyond])
+        halfway = (9.0 * (around[1:-2] + around[2:-1]) - around[:-3] - around[3:]) / 16.0
+        off = float(np.abs(halfway - 0.5 * (points[1:] + points[:-1])).sum(axis=1).max())
+        if not tolerance <= off < np.inf:
+            break
+        points = np.insert(points, np.arange(1, len(points)), halfway, axis=0)
+    return FileCurve(curve.name, points.copy(), curve.smooth)
+
+
+def closed_paths(curves: Sequence[FileCurve]) -> list[FileCurve]:
+    """Curves of one name that follow each other up to where the first began, as one: a path with curves and corners
+    is read in parts (`path_curves`), and yet encloses what it was drawn around."""
+    found: list[FileCurve] = []
+    for curve in curves:
+        last = found[-1] if found else curve
+        if last is not curve and not last.closed and last.name == curve.name and _follows(last, curve):
+            found[-1] = FileCurve(last.name, joined([last.points, curve.points]), last.smooth or curve.smooth)
+        else:
+            found.append(curve)
+    return found
+
+
+def _follows(first: FileCurve, second: FileCurve) -> bool:
+    return bool((first.points[-1] == second.points[0]).all())
 
 
 def _is_smooth(piece: Floats, following: Floats) -> bool:
