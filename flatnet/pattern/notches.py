@@ -26,8 +26,8 @@ CODED = 4
 REST = 0.25
 #: Lengths of stretches sum up to that of their curve but for this part.
 ROUNDING = 1e-9
-#: Distance of marks side by side, and width of a mark that has one, mm.
-MARK_PITCH, MARK_WIDTH = 4.0, 4.0
+#: Distance of slits side by side, width of a mark that has one, and room between such marks, mm.
+MARK_PITCH, MARK_WIDTH, MARK_ROOM = 4.0, 4.0, 2.0
 
 
 @dataclass(frozen=True)
@@ -83,7 +83,8 @@ class Notch:
     @property
     def feet(self) -> Floats:
         """Where its marks begin, side by side about `foot`, (marks, 2)."""
-        shifts = MARK_PITCH * (np.arange(self.marks) - 0.5 * (self.marks - 1))
+        pitch = self.width + MARK_ROOM if self.width else MARK_PITCH
+        shifts = pitch * (np.arange(self.marks) - 0.5 * (self.marks - 1))
         return self.foot + shifts[:, None] * self._across
 
     @property

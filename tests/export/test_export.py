@@ -69,7 +69,7 @@ def test_every_kind_of_notch_and_mark_is_on_its_layer(out, tmp_path):
     assert points == {4: [(4.0, 0.0, 270.0), (4.0, 4.0, 180.0)], 13: [(0.0, 0.0, 0.0)],
                       80: [(3.0, 4.0, 0.0)] * 2, 81: [(4.0, 4.0, 90.0)]}
     pair = [np.array(p.dxf.location.vec2) for p in block.query('POINT[layer=="80"]')]
-    assert np.linalg.norm(pair[0] - pair[1]) == pytest.approx(4.0)
+    assert np.linalg.norm(pair[0] - pair[1]) == pytest.approx(6.0)
     (cut,) = block.query('POLYLINE[layer=="1"]')
     x = np.array([v.dxf.location.x for v in cut.vertices])
     assert [p[0] for p in pair] == pytest.approx([x.min()] * 2, abs=1e-9)

@@ -12,7 +12,7 @@ from flatnet.cli import main
 from flatnet.network.network import SampledStretch
 from flatnet.network.patch import Stretch
 from flatnet.pattern import make_piece
-from flatnet.pattern.notches import NotchedSeam, SeamNotch, place_notches, tell_apart
+from flatnet.pattern.notches import Notch, NotchedSeam, SeamNotch, place_notches, tell_apart
 from flatnet.pattern.seams import Seam
 from flatnet.project.patch_specs import AlsoSpec
 from flatnet.project.seam_specs import NotchSpec, SeamSpec
@@ -143,6 +143,16 @@ def test_kinds_differ_in_their_strokes(kind, lines, width):
     points = np.concatenate(notch.lines)
     assert np.ptp(points, axis=0) == pytest.approx([width, 2.0])
     assert points[:, 1].min() == pytest.approx(-3.0)  # it begins on the cut line
+
+
+@pytest.mark.parametrize("kind", ["slit", "T", "V", "castle"])
+def test_marks_side_by_side_do_not_touch(kind):
+    """Two castles that share a side are cut as one wide castle."""
+    notch = Notch("s", np.zeros(2), np.zeros(2), np.array([0.0, 1.0]), kind, 4.0, 3)
+    marks = np.array_split(np.array(notch.lines, dtype=object), 3)
+    first, second, third = (shapely.MultiLineString([np.array(line, float) for line in mark]) for mark in marks)
+    assert first.distance(second) >= 2.0 and second.distance(third) == pytest.approx(first.distance(second))
+    assert notch.feet.mean(axis=0) == pytest.approx(notch.foot)
 
 
 def test_nodes_have_notches_where_the_outline_runs_straight_on_along_the_curve():
