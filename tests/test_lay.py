@@ -48,7 +48,8 @@ BOW_TIE = [[0, 0], [1, 1], [1, 0], [0, 1], [0, 0]]
 @pytest.mark.parametrize(
     ("content", "words"),
     [
-        ("{", "can't be read"),
+        ("{", "can't be read, line 1"),
+        ("flatnet: 1\nname: bag\n", "name the folder that `flatnet build` wrote"),
         ("[]", "no strip packing problem"),
         (json.dumps(problem(strip_height=0)), "'strip_height' must be in"),
         (json.dumps(problem(items=[])), "no items"),

@@ -51,6 +51,9 @@ def read_instance(path: Path) -> tuple[list[Piece], Material]:
         raise InstanceError(f"{path}: no strip packing problem: {type(error).__name__}: {error}") from None
     except InstanceError:
         raise
+    except json.JSONDecodeError as error:
+        what = "a strip packing problem is JSON; of a project, name the folder that `flatnet build` wrote"
+        raise InstanceError(f"{path}: can't be read, line {error.lineno}: {error.msg}; {what}") from None
     except (ValueError, OverflowError, RecursionError) as error:
         raise InstanceError(f"{path}: can't be read: {error}") from None
     if not pieces:
