@@ -127,7 +127,7 @@ def network_lines(project: Project, network: CurveNetwork) -> list[str]:
         f"{project.name}: {counted(len(network.nodes), 'node')}, {counted(len(curves), 'curve')} in "
         f"{counted(len(network.stretches), 'stretch', 'stretches')}, {counted(network.face_count, 'face')} "
         f"({counted(len(project.patches), 'patch', 'patches')}{not_fitted}, "
-        f"{counted(len(network.openings), 'opening')}), V - E + F = {euler}"
+        f"{counted(len(network.openings), 'opening')}{' and the rest' * project.rest_is_open}), V - E + F = {euler}"
     )
     return lines
 

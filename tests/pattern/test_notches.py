@@ -243,6 +243,11 @@ def test_a_notch_beyond_its_curve_is_a_problem_of_the_project(out, tmp_path, cap
     assert "curve 'cd': notches: 500 mm is beyond its end, it is 110.0 mm long" in capsys.readouterr().err
 
 
+def test_a_check_says_that_faces_listed_nowhere_are_open(out, capsys):
+    assert main(["check", str(out.parent / "roll.yaml")]) == 0
+    assert "3 faces (2 patches, 0 openings and the rest), V - E + F = 2" in capsys.readouterr().out
+
+
 @pytest.mark.parametrize("key", ["notches", "nicks"])
 def test_a_row_of_far_too_many_is_a_problem_of_the_project(out, tmp_path, capsys, key):
     project = yaml.safe_load((out.parent / "roll.yaml").read_text())
