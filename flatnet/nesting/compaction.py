@@ -12,7 +12,8 @@ outward normal is n at the nearest place q, stays outside by the gap where
     n . (p + t_1 - q - t_2) >= gap.
 
 Near q the other piece lies behind the line across n. So what satisfies it is a valid layout, not a first guess at one,
-as long as all vertices within reach of the largest shift have their row.
+as long as all vertices within reach of the largest shift have their row. How far copies shift against each other is
+bounded tightly where they are near, so that few vertices are within reach, and loosely alone, so that few rounds do.
 """
 
 from __future__ import annotations
@@ -28,8 +29,9 @@ from numpy.typing import NDArray
 Floats = NDArray[np.float64]
 Indices = NDArray[np.intp]
 
-#: The largest shift in a round, as a part of the roll's width.
-STEP = 2e-3
+#: The largest shift in a round of copies that are near each other against each other, as a part of the roll's width,
+#: and of one alone, in these steps: what is far away may come much nearer in a round.
+STEP, FAR = 2e-3, 4.0
 #: Rounds at the most, and the part of the length that the last one has to gain.
 ROUNDS, GAIN = 40, 1e-5
 #: What a mm of overlap costs in mm of length: more than the copies that one may stand in the way of.
@@ -73,36 +75,32 @@ def compact(outlines: Sequence[Floats], width: float, gap: float) -> Floats:
     -------
     shifts : (copies, 2), mm; the layout then starts at x = 0.
     """
+    edges = Edges.of(outlines)
     shifts = np.zeros((len(outlines), 2))
     shorter = np.inf
     for _ in range(ROUNDS):
-        shifts[:, 0] -= _start(outlines, shifts)
-        moved = [outline + shift for outline, shift in zip(outlines, shifts)]
-        change, length = _round(moved, width, gap, STEP * width)
+        shifts[:, 0] -= (edges.low + shifts)[:, 0].min()
+        change, length = _round(edges, shifts, width, gap, STEP * width)
         shifts += change
         if shorter - length <= GAIN * length:
             break
         shorter = length
-    shifts[:, 0] -= _start(outlines, shifts)
+    shifts[:, 0] -= (edges.low + shifts)[:, 0].min()
     return shifts
 
 
-def _start(outlines: Sequence[Floats], shifts: Floats) -> float:
-    """Where a layout starts along the roll, mm."""
-    return min(float(outline[:, 0].min()) + x for outline, x in zip(outlines, shifts[:, 0].tolist()))
-
-
-def _round(outlines: Sequence[Floats], width: float, gap: float, step: float) -> tuple[Floats, float]:
-    """The best shifts of at most a step in x and in y, and the length then."""
+def _round(edges: Edges, shifts: Floats, width: float, gap: float, step: float) -> tuple[Floats, float]:
+    """The best further shifts, and the length then; by up to `FAR` steps in x and in y, near copies by one apart."""
     # Not at the top: it takes its time to import.
     from scipy.optimize import linprog
 
-    count = len(outlines)
-    low, high = (np.array([end(outline, axis=0) for outline in outlines]) for end in (np.min, np.max))
-    reach = gap + 2.0 * np.sqrt(2.0) * step
-    near = contacts(outlines, reach)
+    count = len(shifts)
+    low, high = edges.low + shifts, edges.high + shifts
+    near = contacts(edges, shifts, gap, gap + np.sqrt(2.0) * step)
     first, second = near.first, near.second
     # Unknown: x and y of every shift, the length, the overlap. All rows say: row . unknown <= limit.
+    #   [ apart, below, above, before, behind   -1 ]
+    #   [ together                               0 ]
     apart = _rows(
         [2 * first, 2 * first + 1, 2 * second, 2 * second + 1], np.hstack([-near.normals, near.normals]), count
     )
@@ -111,12 +109,16 @@ def _round(outlines: Sequence[Floats], width: float, gap: float, step: float) ->
     above = _rows([2 * copies + 1], ones, count)
     before = _rows([2 * copies], -ones, count)
     behind = _rows([2 * copies, np.full(count, 2 * count)], np.hstack([ones, -ones]), count)
-    limits = [near.rooms - gap, low[:, 1], width - high[:, 1], low[:, 0], -high[:, 0]]
+    relaxed = scipy.sparse.vstack([apart, below, above, before, behind])
+    one, other = edges.neighbours(shifts, gap + 2.0 * np.sqrt(2.0) * FAR * step)
+    either = np.tile([1.0, -1.0], (len(one), 1))
+    together = [_rows([2 * one + axis, 2 * other + axis], either, count) for axis in (0, 1)]
+    limits = [near.rooms - gap, low[:, 1], width - high[:, 1], low[:, 0], -high[:, 0], np.full(2 * len(one), step)]
     answer = linprog(
         np.concatenate([np.zeros(2 * count), [1.0, OVERLAP_COST]]),
-        scipy.sparse.vstack([apart, below, above, before, behind]),
+        scipy.sparse.block_array([[relaxed, -np.ones((relaxed.shape[0], 1))], [scipy.sparse.vstack(together), None]]),
         np.concatenate(limits),
-        bounds=[(-step, step)] * (2 * count) + [(0.0, None)] * 2,
+        bounds=[(-FAR * step, FAR * step)] * (2 * count) + [(0.0, None)] * 2,
         method="highs",
     )
     if answer.x is None:  # it gave up: nothing is moved
@@ -125,28 +127,30 @@ def _round(outlines: Sequence[Floats], width: float, gap: float, step: float) ->
 
 
 def _rows(columns: Sequence[Indices], values: Floats, count: int) -> scipy.sparse.csr_array:
-    """Rows of the program, (n, 2 count + 2), with their values (n, columns); the overlap relaxes every one."""
+    """Rows of the program without its last column, (n, 2 count + 1), with their values (n, columns)."""
     n = len(values)
-    at = np.column_stack([*columns, np.full(n, 2 * count + 1)])
-    content = np.column_stack([values, -np.ones(n)])
-    row = np.repeat(np.arange(n), at.shape[1])
-    return scipy.sparse.csr_array((content.ravel(), (row, at.ravel())), shape=(n, 2 * count + 2))
+    row = np.repeat(np.arange(n), len(columns))
+    return scipy.sparse.csr_array((values.ravel(), (row, np.column_stack(columns).ravel())), shape=(n, 2 * count + 1))
 
 
 @dataclass(frozen=True)
-class _Edges:
-    """The edges of all outlines; each starts at the vertex that has its number.
+class Edges:
+    """The edges of all outlines where these lay at first; each starts at the vertex that has its number.
 
     Attributes
     ----------
     owner : number of the outline.
+    first : of each outline, its first edge.
     before, after : the edges that end where this one starts, and start where it ends.
     starts, along, normals : (n, 2), unit vectors but for the first; normals point outwards.
     lengths : mm.
     convex : whether the outline has a convex corner where the edge starts.
+    low, high : (outlines, 2), corners of their boxes, mm.
+    trees : of each outline, its edges to search in.
     """
 
     owner: Indices
+    first: Indices
     before: Indices
     after: Indices
     starts: Floats
@@ -154,45 +158,84 @@ class _Edges:
     normals: Floats
     lengths: Floats
     convex: NDArray[np.bool_]
+    low: Floats
+    high: Floats
+    trees: tuple[shapely.STRtree, ...]
 
     @classmethod
-    def of(cls, outlines: Sequence[Floats]) -> _Edges:
+    def of(cls, outlines: Sequence[Floats]) -> Edges:
         sizes = np.array([len(outline) for outline in outlines])
-        base = np.repeat(np.cumsum(sizes) - sizes, sizes)
+        first = np.cumsum(sizes) - sizes
+        base, size = np.repeat(first, sizes), np.repeat(sizes, sizes)
         within = np.arange(sizes.sum()) - base
-        size = np.repeat(sizes, sizes)
         before, after = base + (within - 1) % size, base + (within + 1) % size
         starts = np.concatenate(outlines)
         along = starts[after] - starts
         lengths = np.hypot(*along.T)
         along = along / lengths[:, None]
         normals = np.column_stack([along[:, 1], -along[:, 0]])
-        owner = np.repeat(np.arange(len(outlines)), sizes)
-        return cls(owner, before, after, starts, along, normals, lengths, _dot(normals[before], along) < 0.0)
+        segments = shapely.linestrings(np.stack([starts, starts[after]], axis=1))
+        return cls(
+            np.repeat(np.arange(len(outlines)), sizes),
+            first,
+            before,
+            after,
+            starts,
+            along,
+            normals,
+            lengths,
+            _dot(normals[before], along) < 0.0,
+            np.minimum.reduceat(starts, first),
+            np.maximum.reduceat(starts, first),
+            tuple(shapely.STRtree(part) for part in np.split(segments, first[1:])),
+        )
+
+    def neighbours(self, shifts: Floats, reach: float) -> tuple[Indices, Indices]:
+        """All ordered pairs of outlines whose boxes, moved by shifts, are within a reach of each other, mm."""
+        boxes = shapely.box(*(self.low + shifts - 0.5 * reach).T, *(self.high + shifts + 0.5 * reach).T)
+        one, other = shapely.STRtree(boxes).query(boxes)
+        return one[one != other], other[one != other]
+
+    def within(self, shifts: Floats, reach: float) -> tuple[Indices, Indices]:
+        """Corners and edges of different outlines, moved by shifts, that are within a reach of each other, mm."""
+        corners = np.flatnonzero(_dot(self.along[self.before], self.normals) >= -2.0 * INTO)
+        first = np.searchsorted(corners, self.first)
+        corners_of = np.split(corners, first[1:])
+        starts_of = np.split(self.starts[corners], first[1:])
+        low, high = self.low - reach, self.high + reach
+        vertices, edges = [np.zeros(0, np.intp)], [np.zeros(0, np.intp)]
+        for one, other in zip(*self.neighbours(shifts, reach)):
+            there = starts_of[one] + (shifts[one] - shifts[other])
+            inside = np.flatnonzero(((there >= low[other]) & (there <= high[other])).all(axis=1))
+            vertex, edge = self.trees[other].query(shapely.points(there[inside]), "dwithin", distance=reach)
+            vertices.append(corners_of[one][inside[vertex]])
+            edges.append(self.first[other] + edge)
+        return np.concatenate(vertices), np.concatenate(edges)
 
 
-def contacts(outlines: Sequence[Floats], reach: float) -> Contacts:
-    """What has to be kept apart within a reach, mm: vertices and edges, and convex corners.
+def contacts(edges: Edges, shifts: Floats, gap: float, reach: float) -> Contacts:
+    """What outlines moved by shifts have to be kept apart at, within a reach: vertices and edges, and convex corners.
 
     A vertex may meet the edges that it lies before, and the convex corners in whose cone of normals it lies, but only
     where both edges of its own leave them: where one turns towards them, it is that edge that meets the other's corner.
+    Beyond an end that is no convex corner it need not be nearer to the outline than to the edge's line: it lies before
+    the edge only if it keeps the gap to that.
     """
-    edges = _Edges.of(outlines)
-    segments = shapely.linestrings(np.stack([edges.starts, edges.starts[edges.after]], axis=1))
-    vertex, edge = shapely.STRtree(segments).query(shapely.points(edges.starts), "dwithin", distance=reach)
-    between = edges.owner[vertex] != edges.owner[edge]
-    vertex, edge = vertex[between], edge[between]
-    away = edges.starts[vertex] - edges.starts[edge]
+    vertex, edge = edges.within(shifts, reach)
+    here = edges.starts[vertex] + (shifts[edges.owner[vertex]] - shifts[edges.owner[edge]])
+    away = here - edges.starts[edge]
     along, height = _dot(away, edges.along[edge]), _dot(away, edges.normals[edge])
     end = np.where(along < 0.5 * edges.lengths[edge], edge, edges.after[edge])  # the nearer one
-    beyond = ((along < -TOUCH) | (along > edges.lengths[edge] + TOUCH)) & edges.convex[end]
+    beyond = (along < -TOUCH) | (along > edges.lengths[edge] + TOUCH)
 
-    before = ~beyond & (height >= -TOUCH) & _leaves(edges, vertex, edges.normals[edge])
+    before = ~(beyond & edges.convex[end]) & (height >= np.where(beyond, gap, 0.0) - TOUCH)
+    before &= _leaves(edges, vertex, edges.normals[edge])
     at_corner = np.minimum(np.abs(along), np.abs(along - edges.lengths[edge])) <= TOUCH
     at_corner &= before & (height <= TOUCH) & edges.convex[end]
     before[at_corner] = _one_at_each(vertex[at_corner], end[at_corner], edges.normals[edge[at_corner], 0])
 
-    away = edges.starts[vertex] - edges.starts[end]
+    beyond &= edges.convex[end]
+    away = here - edges.starts[end]
     distance = np.hypot(*away.T)
     outward = away / np.where(beyond, distance, 1.0)[:, None]
     cone = (_dot(away, edges.along[end]) <= 0.0) & (_dot(away, edges.along[edges.before[end]]) >= 0.0)
@@ -205,7 +248,7 @@ def contacts(outlines: Sequence[Floats], reach: float) -> Contacts:
     )
 
 
-def _leaves(edges: _Edges, vertex: Indices, normals: Floats) -> NDArray[np.bool_]:
+def _leaves(edges: Edges, vertex: Indices, normals: Floats) -> NDArray[np.bool_]:
     """Whether both edges that meet at vertices lead away from lines across normals."""
     return np.minimum(_dot(edges.along[vertex], normals), -_dot(edges.along[edges.before[vertex]], normals)) >= -INTO
 

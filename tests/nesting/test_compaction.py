@@ -5,7 +5,7 @@ import pytest
 import shapely
 from pieces import LETTER_F, SQUARE, blob
 
-from flatnet.nesting.compaction import TOUCH, compact, contacts
+from flatnet.nesting.compaction import TOUCH, Edges, compact, contacts
 from flatnet.nesting.layout import turn
 
 #: HiGHS keeps its rows to 1e-7, and a shift has two of them.
@@ -96,6 +96,22 @@ def test_a_tip_slides_into_a_valley_and_not_through_its_other_side():
     assert ends(made)[1][0] == pytest.approx(179.7, abs=SOLVED)
 
 
+def test_a_spike_beside_a_burr_keeps_the_gap_to_the_burr_and_not_to_the_line_below_it():
+    # Along y: an edge at 0, a burr of 0.3 at its end, then a step down to -6, above it a spike with its tip at 0.5;
+    # it stands 5 away from the burr, and can go down to -1, 5 above the floor. Both pieces are as wide as the roll.
+    below = [[0, -50], [120, -50], [120, -6], [20.1, -6], [20.05, 0.3], [20, 0], [0, 0]]
+    spike = [[25.12, 0.5], [27, 60], [120, 60], [120, 80], [0, 80], [0, 60], [25.12, 60]]
+    lying = [np.array(outline, float) @ turn(-90.0, False).T + (50.0, 120.0) for outline in (below, spike)]
+    made = compacted(lying, 120.0, 5.0)
+    assert shapely.distance(*map(shapely.Polygon, made)) == pytest.approx(5.0, abs=SOLVED)
+    assert np.ptp(np.concatenate(made)[:, 0]) == pytest.approx(128.5, abs=SOLVED)
+
+
+def test_a_long_row_that_is_loose_everywhere_closes():
+    made = compacted([SQUARE + (105.0 * i, 0.0) for i in range(20)], 500.0)
+    assert ends(made)[1][0] == pytest.approx(2000.0, abs=SOLVED)
+
+
 def test_pieces_whose_corners_meet_slide_along_each_other():
     lower = [SQUARE + (100.0 * i, 0.0) for i in range(3)]
     upper = [SQUARE + (100.0 * i, 100.0) for i in (1, 2, 3)]
@@ -113,7 +129,7 @@ def test_the_nearest_contact_of_convex_pieces_is_their_distance(angle, apart):
         first, second = shapely.Polygon(SQUARE), shapely.Polygon(moved)
         line = np.diff(shapely.get_coordinates(shapely.shortest_line(first, second)), axis=0)[0]
         moved = moved - line * (1.0 - apart / np.hypot(*line))
-        found = contacts([SQUARE, moved], 5.0)
+        found = contacts(Edges.of([SQUARE, moved]), np.zeros((2, 2)), 0.0, 5.0)
         distance = first.distance(shapely.Polygon(moved))
         assert found.rooms.min() == pytest.approx(distance, abs=1e-9)
         # Each is a wall between the two: all of the first lies before it, all of the second behind it.
