@@ -29,6 +29,8 @@ Shorter = Callable[[float, Placed], None]
 
 #: mm that an outline may be simplified by for the engine; it drops repeated points, which the engine refuses.
 SIMPLIFIED = 0.005
+#: Where outlines are grown for the engine, corners are cut at this many times as far as edges are moved.
+MITRE = 1.5
 #: The engine panics where a piece fits exactly: the strip is wider by this part of itself.
 EXACT_FIT = 2e-5
 #: Threads that it may take, in one search. Up to so few copies two searches of one thread each find more.
@@ -41,6 +43,10 @@ _CHILD = Path(__file__).with_name("spyrrow_child.py")
 
 class EngineError(Exception):
     """The nesting engine gave no layout; the message says why."""
+
+
+class EnginePanic(EngineError):
+    """It stopped at what it was given."""
 
 
 @dataclass(frozen=True)
@@ -126,7 +132,7 @@ def run_engine(
         Where the engine panics or takes too long.
     """
     limit = limit or 2.0 * parameters.seconds + GRACE
-    return _answer(_problem(strip, items, parameters, THREADS), limit, shorter)
+    return _search(strip, items, parameters, THREADS, limit, shorter)
 
 
 def run_searches(
@@ -151,11 +157,37 @@ def run_searches(
                 shorter(length, placed)
 
     limit = 2.0 * parameters.seconds + GRACE
-    problems = [
-        _problem(strip, items, replace(parameters, seed=parameters.seed + search), 1) for search in range(THREADS)
-    ]
+    seeded = [replace(parameters, seed=parameters.seed + search) for search in range(THREADS)]
     with ThreadPoolExecutor(THREADS) as searches:
-        return list(searches.map(lambda problem: _answer(problem, limit, told), problems))
+        return list(searches.map(lambda one: _search(strip, items, one, 1, limit, told), seeded))
+
+
+def _search(
+    strip: Strip, items: Sequence[Item], parameters: NestingParameters, threads: int, limit: float, shorter: Shorter
+) -> Placed:
+    """One search; where it panics, as at some offsets of its own, again with half the separation round items."""
+    try:
+        return _answer(_problem(strip, items, parameters, threads), limit, shorter)
+    except EnginePanic:
+        border = 0.5 * strip.separation
+        if not border > 0.0:
+            raise
+
+    def moved(placed: Placed) -> Placed:
+        return [(item, rotation, place + border) for item, rotation, place in placed]
+
+    def told(length: float, placed: Placed) -> None:
+        shorter(length + 2.0 * border, moved(placed))
+
+    bare = Strip(strip.width - 2.0 * border, 0.0)
+    grown = [replace(item, outline=_grown(item.outline, border)) for item in items]
+    return moved(_answer(_problem(bare, grown, parameters, threads), limit, told))
+
+
+def _grown(outline: list[list[float]], border: float) -> list[list[float]]:
+    """An outline with a border round it, mm."""
+    grown = shapely.buffer(Polygon(outline), border, join_style="mitre", mitre_limit=MITRE)
+    return shapely.get_coordinates(grown.exterior)[:-1].tolist()
 
 
 def _problem(strip: Strip, items: Sequence[Item], parameters: NestingParameters, threads: int) -> str:
@@ -212,7 +244,7 @@ def _answer(problem: str, limit: float, shorter: Shorter) -> Placed:
     if late.is_set():
         raise EngineError(f"it was still running after {limit:.0f} s")
     if "error" in said:
-        raise EngineError(str(said["error"]))
+        raise EnginePanic(str(said["error"]))
     if "placed" not in said:
         raise EngineError(f"it died with status {status}")
     return _placed(said["placed"])

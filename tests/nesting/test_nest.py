@@ -185,6 +185,25 @@ def test_the_engine_tells_how_it_comes_on():
     assert all(len(layout) == 3 for _, layout in told)
 
 
+def few(material):
+    return [piece(0.5 * SQUARE, material, cut=2)]
+
+
+def frayed(material):
+    outline = blob(0, 200.0, 140.0, 280)
+    return [piece(outline * np.random.default_rng(0).uniform(0.95, 1.05, (280, 1)), material, cut=2)]
+
+
+@pytest.mark.parametrize("made", [few, frayed])
+def test_where_the_engines_own_offset_leaves_nothing_the_layout_is_no_draft(made):
+    # Of a strip as short as a few pieces need at first, and of outlines with fine teeth.
+    material = cloth(width=1500.0, gap=10.0)
+    pieces = made(material)
+    (layout,), findings = nest(pieces, material, QUICK)
+    assert findings == () and not layout.draft
+    assert check_layouts([layout], pieces) == []
+
+
 def test_where_the_engine_dies_the_layout_is_a_valid_draft():
     # On a roll of 10 km the engine panics: single precision leaves nothing of its strip.
     material = cloth(width=1e7)
