@@ -233,9 +233,9 @@ def _longest_along_x(free: Geometry) -> Floats | None:
     if free.is_empty:
         return None
     left, bottom, right, top = free.bounds
-    best: tuple[float, Floats] | None = None
+    longest, best = 0.0, None
     for y in np.linspace(bottom, top, 25)[1:-1]:
         for part in shapely.get_parts(free.intersection(LineString([(left - 1.0, y), (right + 1.0, y)]))):
-            if part.geom_type == "LineString" and (best is None or part.length > best[0] * (1 + 1e-9)):
-                best = part.length, shapely.get_coordinates(part)
-    return None if best is None else best[1][np.argsort(best[1][:, 0])][[0, -1]]
+            if part.geom_type == "LineString" and part.length > longest * (1 + 1e-9):
+                longest, best = part.length, shapely.get_coordinates(part)
+    return None if best is None else best[np.argsort(best[:, 0])][[0, -1]]

@@ -160,6 +160,12 @@ def test_no_label_covers_a_slit_that_lies_closed():
     assert not any(lines.intersects(shape) for shape in [*boxes, shapely.LineString(made.grain)])
 
 
+@pytest.mark.parametrize("name", ["p", "p0", "a_long_name"])
+@pytest.mark.parametrize("size", [0.5, 5.0, 6.0])
+def test_a_piece_with_hardly_any_room_for_its_label_is_made(size, name):
+    assert piece(0.01 * size * SQUARE, name=name).cut == 1
+
+
 def test_seam_labels_read_along_their_seam_next_to_it():
     for run in piece(SQUARE, name="s").seams:
         start, end = SQUARE[run.vertices[0]], SQUARE[run.vertices[-1]]
