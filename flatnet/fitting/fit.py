@@ -246,10 +246,11 @@ def _check_outline(outline: Floats, boundary: BoundaryCurve) -> None:
         return
     i, s, j, t = crossings[0]
     where = f"{boundary.place(i + s)} and {boundary.place(j + t)}"
+    places = "one place" if len(crossings) == 1 else f"{len(crossings)} places, first"
     raise PatchFailure.of(
         "self_intersection",
         "unfold",
-        f"the flat piece overlaps itself at {len(crossings)} places, first between {where}.",
+        f"the flat piece overlaps itself at {places} between {where}.",
         "A cut that separates these two places solves it.",
         where=where,
         amount=float(len(crossings)),
