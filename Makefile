@@ -25,7 +25,7 @@ lint: $(READY)
 types: $(READY)
 	$(BIN)/mypy
 
-# In about 16 minutes; ARGS="--quick" in three, ARGS="--part scaling --large" one part with the largest mesh.
+# In about 22 minutes; ARGS="--quick" in three, ARGS="--part scaling --large" one part with the largest mesh.
 bench: $(READY)
 	$(BIN)/python -m pip install --quiet --editable ".[dev,bench]"
 	$(BIN)/python -m tests.benchmark $(ARGS)
