@@ -155,9 +155,7 @@ def require_libraries(formats: Sequence[str]) -> None:
 
 def title(build: WrittenBuild, sheet: Sheet) -> str:
     """What a sheet is, in one line."""
-    layout = sheet.layout
-    length, width = layout.size
-    parts = [build.content.title, layout.name, f"{round(width, 1):g} x {length:.1f} mm"]
+    parts = [build.content.title, sheet.layout.name, sheet.layout.title_size]
     if build.missing:
         parts.append(f"INCOMPLETE: missing {', '.join(build.missing)}")
     return " · ".join(parts)

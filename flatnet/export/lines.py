@@ -42,20 +42,21 @@ class Words:
     height: float
 
 
-def sheet_outline(layout: Layout) -> Floats:
-    """The rim of a sheet, (k, 2) mm, y up: of a hide its own, else the rectangle that is used."""
-    if layout.hide is not None:
-        return np.array(layout.hide.outline)
-    length, width = layout.size
-    return np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]])
+def sheet_rims(layout: Layout) -> Iterator[tuple[str, Floats]]:
+    """The rims of a sheet, (k, 2) mm, y up: `sheet`, the hide's or round the rectangle that is used; of a hide every
+    `defect` and `zone`."""
+    if layout.hide is None:
+        length, width = layout.size
+        yield "sheet", np.array([[0.0, 0.0], [length, 0.0], [length, width], [0.0, width]])
+        return
+    yield "sheet", np.array(layout.hide.outline)
+    yield from (("defect", np.array(ring)) for ring in layout.hide.defects)
+    yield from (("zone", np.array(ring)) for _, ring in layout.hide.zones)
 
 
 def sheet_lines(layout: Layout) -> Iterator[Line]:
-    """All lines of a sheet itself: its rim, and of a hide the rims of its defects and quality zones."""
-    yield Line("sheet", sheet_outline(layout), closed=True)
-    if layout.hide is not None:
-        for ring in (*layout.hide.defects, *(ring for _, ring in layout.hide.zones)):
-            yield Line("sheet", np.array(ring), closed=True)
+    """All rims of a sheet, for formats that have one meaning for them."""
+    yield from (Line("sheet", rim, closed=True) for _, rim in sheet_rims(layout))
 
 
 def piece_lines(piece: Piece) -> Iterator[Line]:

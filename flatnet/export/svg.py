@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 import textwrap
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from numpy.typing import NDArray
 from svgwrite.container import Group
 from svgwrite.extensions import Inkscape
 
-from flatnet.export.lines import KINDS, piece_labels, sheet_outline
+from flatnet.export.lines import KINDS, piece_labels, sheet_rims
 from flatnet.nesting.layout import Layout, Placement, turn
 from flatnet.parameters import STROKES
 from flatnet.pattern.labels import LINE_PITCH, Label, arrow_head, name_label, room_for_text, text_width
@@ -69,25 +69,13 @@ def write_layout(
     by_meaning : one layer for each meaning, with a group for every piece in it; else one group for every piece.
     """
     length, width = layout.size
-    title = [
-        f"{project} · {layout.name}",
-        f"{round(width, 1):g} x {length:.1f} mm, {100.0 * layout.utilisation:.1f} % used",
-    ]
+    title = [f"{project} · {layout.name}", f"{layout.title_size}, {100.0 * layout.utilisation:.1f} % used"]
     if layout.draft:
         title.append("draft: not nested")
     if missing:
         title.append(f"INCOMPLETE: missing {', '.join(missing)}")
     size = np.array([length, width])
-    _write_page(path, size, layout.placements, title, _sheet_lines(layout), strokes, by_meaning, _zone_labels(layout))
-
-
-def _sheet_lines(layout: Layout) -> list[tuple[str, Floats]]:
-    """What is drawn of the sheet itself: class of the path, and the outline, (k, 2) mm, y up."""
-    lines = [("sheet", sheet_outline(layout))]
-    if layout.hide is not None:
-        lines += [("defect", np.array(ring)) for ring in layout.hide.defects]
-        lines += [("zone", np.array(ring)) for _, ring in layout.hide.zones]
-    return lines
+    _write_page(path, size, layout.placements, title, sheet_rims(layout), strokes, by_meaning, _zone_labels(layout))
 
 
 def _zone_labels(layout: Layout) -> list[Label]:
@@ -122,7 +110,7 @@ def _write_page(
     size: Floats,
     placements: Sequence[Placement],
     title: Sequence[str],
-    sheet: Sequence[tuple[str, Floats]],
+    sheet: Iterable[tuple[str, Floats]],
     strokes: Mapping[str, str],
     by_meaning: bool,
     labels: Sequence[Label] = (),

@@ -188,7 +188,8 @@ def _marks(
 
 def _along(points: Floats, way: float) -> Floats:
     """The point of a polyline this far along it."""
-    return np.array([np.interp(way, arclengths(points), points[:, axis]) for axis in range(3)])
+    along = arclengths(points)
+    return np.array([np.interp(way, along, column) for column in points.T])
 
 
 def _at_breadth(ring: Floats, breadth: float) -> Floats:

@@ -119,8 +119,11 @@ def run_engine(
     parameters: NestingParameters,
     shorter: Shorter = lambda *_: None,
     limit: float | None = None,
+    threads: int = THREADS,
 ) -> Placed:
     """Lay the items on as little length of a strip as the engine finds in its time.
+
+    Where it panics, as at some offsets of its own, it is asked again with half the separation round items.
 
     Parameters
     ----------
@@ -132,7 +135,22 @@ def run_engine(
         Where the engine panics or takes too long.
     """
     limit = limit or 2.0 * parameters.seconds + GRACE
-    return _search(strip, items, parameters, THREADS, limit, shorter)
+    try:
+        return _answer(_problem(strip, items, parameters, threads), limit, shorter)
+    except EnginePanic:
+        border = 0.5 * strip.separation
+        if not border > 0.0:
+            raise
+
+    def moved(placed: Placed) -> Placed:
+        return [(item, rotation, place + border) for item, rotation, place in placed]
+
+    def told(length: float, placed: Placed) -> None:
+        shorter(length + 2.0 * border, moved(placed))
+
+    bare = Strip(strip.width - 2.0 * border, 0.0)
+    grown = [replace(item, outline=_grown(item.outline, border)) for item in items]
+    return moved(_answer(_problem(bare, grown, parameters, threads), limit, told))
 
 
 def run_searches(
@@ -156,32 +174,9 @@ def run_searches(
                 best = length
                 shorter(length, placed)
 
-    limit = 2.0 * parameters.seconds + GRACE
     seeded = [replace(parameters, seed=parameters.seed + search) for search in range(THREADS)]
     with ThreadPoolExecutor(THREADS) as searches:
-        return list(searches.map(lambda one: _search(strip, items, one, 1, limit, told), seeded))
-
-
-def _search(
-    strip: Strip, items: Sequence[Item], parameters: NestingParameters, threads: int, limit: float, shorter: Shorter
-) -> Placed:
-    """One search; where it panics, as at some offsets of its own, again with half the separation round items."""
-    try:
-        return _answer(_problem(strip, items, parameters, threads), limit, shorter)
-    except EnginePanic:
-        border = 0.5 * strip.separation
-        if not border > 0.0:
-            raise
-
-    def moved(placed: Placed) -> Placed:
-        return [(item, rotation, place + border) for item, rotation, place in placed]
-
-    def told(length: float, placed: Placed) -> None:
-        shorter(length + 2.0 * border, moved(placed))
-
-    bare = Strip(strip.width - 2.0 * border, 0.0)
-    grown = [replace(item, outline=_grown(item.outline, border)) for item in items]
-    return moved(_answer(_problem(bare, grown, parameters, threads), limit, told))
+        return list(searches.map(lambda one: run_engine(strip, items, one, told, threads=1), seeded))
 
 
 def _grown(outline: list[list[float]], border: float) -> list[list[float]]:

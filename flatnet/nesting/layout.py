@@ -130,6 +130,12 @@ class Layout:
         return self.hide.size if self.hide else (self.used_length, self.material.width)
 
     @property
+    def title_size(self) -> str:
+        """The same in a title, the width first."""
+        length, width = self.size
+        return f"{round(width, 1):g} x {length:.1f} mm"
+
+    @property
     def area(self) -> float:
         """mm^2 of the material: width x used length; of a hide all of it, defects too."""
         return self.hide.area if self.hide else self.material.width * self.used_length

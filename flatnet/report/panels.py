@@ -23,6 +23,7 @@ from flatnet.geometry.triangles import edges_of
 from flatnet.parameters import STROKES
 from flatnet.pattern.labels import Label, fitting_label, line_breaks
 from flatnet.report.build_files import BuildFiles, BuiltPatch
+from flatnet.report.summary import sheet_size
 from flatnet.report.view import FROM_THE_FRONT, Camera, Surface, cameras
 
 Floats = NDArray[np.float64]
@@ -214,8 +215,7 @@ def layout_panel(build: BuildFiles, record: Mapping[str, Any]) -> Panel:
     pieces = build.sheets[record["file"]]
     patches = {patch.name: patch for patch in build.patches}
     hide = record.get("hide")
-    width = record["sheet_width_mm"]
-    length = max(x for x, _ in hide["outline"]) if hide else record["used_length_mm"]
+    length, width = sheet_size(record)
     space = "\u00a0"  # where a caption is not to be broken
     size, used = f"{round(width, 1):g} × {length:.0f} mm", f"{100.0 * record['utilisation']:.0f} % used"
     caption = f"{record['material']}: {size.replace(' ', space)}, {used.replace(' ', space)}"

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -40,13 +40,19 @@ def layout_lines(report: dict[str, Any], folder: Path) -> list[str]:
 
 
 def _sheet_line(layout: dict[str, Any], folder: Path) -> str:
-    hide = layout["hide"]
-    length = max(x for x, _ in hide["outline"]) if hide else layout["used_length_mm"]
+    length, width = sheet_size(layout)
     return (
-        f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on {'a hide of ' if hide else ''}"
-        f"{round(layout['sheet_width_mm'], 1):g} x {length:.0f} mm, {100 * layout['utilisation']:.1f} % used"
-        + (" (draft)" if layout["draft"] else "")
+        f"{folder / layout['file']}: {counted(len(layout['pieces']), 'piece')} on "
+        f"{'a hide of ' if layout['hide'] else ''}{round(width, 1):g} x {length:.0f} mm, "
+        f"{100 * layout['utilisation']:.1f} % used" + (" (draft)" if layout["draft"] else "")
     )
+
+
+def sheet_size(layout: Mapping[str, Any]) -> tuple[float, float]:
+    """Length and width of what is drawn of a layout of the report, mm: the used length of a roll, all of a hide."""
+    hide = layout.get("hide")
+    length = max(x for x, _ in hide["outline"]) if hide else layout["used_length_mm"]
+    return length, layout["sheet_width_mm"]
 
 
 def _patch_line(patch: dict[str, Any], width: int) -> str:
